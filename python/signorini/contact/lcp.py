@@ -128,7 +128,7 @@ def lemke(
         The covering vector d > 0 of w = M z + q + d z₀, in the units of w; ones by default.
     start : (m,) array_like of bool, optional
         Mask of basic z in the solution of a similar problem, `LcpSolution.basis`, at which the path begins. No pivot is
-        made if it is the solution.
+        made if this basis is the solution.
     max_pivots : int, optional
         Largest number of pivots; 50 (m + 100) by default.
 

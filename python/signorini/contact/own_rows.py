@@ -127,15 +127,16 @@ def with_rows(
 ) -> RowProblem:
     """Add rows to those of a model's contact points: G u − C λ ≤ g, with reactions λ ≥ 0 that act as −Gᵀλ.
 
-    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives rows
-    of points. In results the reactions of additional rows count as loads.
+    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` returns rows
+    of the deflection or a slope at points. In results the reactions of additional rows count as loads.
 
     Parameters
     ----------
     problem : ContactProblem
-        Its K must be regular: held dofs, springs and two-sided points at nodes hold the plate without these rows.
+        The problem's K must be regular: held dofs, springs and two-sided points at nodes hold the plate without the
+        added rows.
     G : (r, 3n) array_like or sparse array
-        In the order and the nodal axes of dofs that `ContactProblem` documents.
+        Columns are dofs, in the order and the nodal axes that `ContactProblem` documents.
     gaps : (r,) array_like
         g, in the units of G u: lengths if G has deflections with coefficients of 1.
     two_sided : (r,) array_like of bool, optional

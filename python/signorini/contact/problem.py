@@ -119,12 +119,13 @@ class Statement:
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
         """Rows (q, 3n) that map displacements to the deflection, or a slope, at points (q, 2) of the plate.
 
-        Between nodes, rows of slopes of `mitc9` include its eliminated internal dofs, but not loads on them.
+        Between nodes, rows of slopes of `mitc9` include the element's eliminated internal dofs, but not loads on these
+        dofs.
 
         Raises
         ------
         InputError
-            If a point is not on the plate, or there is no such part.
+            If a point is not on the plate, or ``of`` is not one of the three names.
 
         Examples
         --------
@@ -157,7 +158,7 @@ class Statement:
         Raises
         ------
         InputError
-            If there is none of that name.
+            If there is no combination of this name.
         """
         result = {c.name: c for c in self.discretisation.model.effective_combinations}
         return self.discretisation.load(result[known(combination, result, "combination", "combination")]).nodal
@@ -174,10 +175,10 @@ class ContactProblem(Statement, Remade):
     work-conjugate: forces down on w, couples on slopes.
 
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
-    where it holds down; with travel in both directions the rows that push up are first. Their unknowns are reactions λ
-    and gaps ρ = `gaps` − Gu + `compliance`·λ. Without a limit, λ ≥ 0, ρ ≥ 0 and λρ = 0. With a limit, λ is also at most
-    the upper one of `limits`; where it equals this limit, ρ ≤ 0 is minus the yield travel. Two-sided points, marked by
-    `two_sided`, have ρ = 0 and λ of either sign.
+    where it holds down; with travel in both directions the rows that push up are first. The unknowns of contact points
+    are reactions λ and gaps ρ = `gaps` − Gu + `compliance`·λ. Without a limit, λ ≥ 0, ρ ≥ 0 and λρ = 0. With a limit, λ
+    is also at most the upper one of `limits`; where it equals this limit, ρ ≤ 0 is minus the yield travel. Two-sided
+    points, marked by `two_sided`, have ρ = 0 and λ of either sign.
 
     Examples
     --------
@@ -256,7 +257,8 @@ class ContactProblem(Statement, Remade):
         InputError
             If the load is not 3n finite numbers, or there is no such form.
         SignoriniError
-            If there is no "stiffness" form: rigid points repeat each other, and no reactions belong to some gaps.
+            If there is no "stiffness" form: rows of rigid points are linearly dependent, so that some gaps belong to no
+            reactions.
 
         Examples
         --------
@@ -384,13 +386,13 @@ class ContactProblem(Statement, Remade):
         """Pose another model on the same mesh, for a sweep over gaps, stiffnesses, supports, thickness or loads.
 
         Dofs and the order of all arrays stay, even if the other model alone would be meshed along other lines. The
-        contact points stay if the supports stay in place. P is the same for all loads, gaps and settlements of contact
-        points. These change s only, which decreases by the increase of `gaps`.
+        contact points stay if the supports stay in place. Loads, gaps and settlements of contact points do not change
+        P. They change s, which decreases by the increase of `gaps`.
 
         Raises
         ------
         InputError
-            If the other model's plate has another outline, or as `contact_problem`.
+            If the other model's plate has another outline, or for the reasons given in `contact_problem`.
 
         Examples
         --------
@@ -429,8 +431,8 @@ class ContactProblem(Statement, Remade):
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
         """Pose the same problem for loads similar to ``load`` (3n,), from whose contact set the active set starts.
 
-        ``load`` is solved here. The start does not change any answer. It has no effect on other methods, if ``load``
-        has no solution, or with ``resists = "both"``. ``progress`` is as for `solve`.
+        ``load`` is solved here. The start does not change any answer. The start has no effect on other methods, if
+        ``load`` has no solution, or with ``resists = "both"``. ``progress`` is as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
@@ -478,7 +480,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     InputError
         If the plate is a mechanism, has more contact points than can be condensed, or cannot be factored.
     SignoriniError
-        If it does not fit into memory.
+        If the problem does not fit into memory.
     """
     problem = unfactored(model if isinstance(model, Discretisation) else discretise(model))
     return replace(problem, _cores={problem.method: factored(problem.discretisation, problem.freedom, problem.method)})

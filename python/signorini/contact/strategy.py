@@ -155,7 +155,7 @@ def answered(
 ) -> Tried:
     """Solve one load and certify the answer; after a failure try the other form and every other method.
 
-    Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
+    Fallback methods have a `Budget`. ``progress`` is called in all methods, and an exception in it ends the solve.
     ``beside`` are the loads whose sum this load is, see `certify`. The problem's own method starts from ``start``, an
     answer of the same problem to another load.
     """

@@ -45,7 +45,7 @@ Found by experiment.
 TURNING = 1e-6
 """Least λL⁴/D if rigid supports hold some rigid motions but not all; rounding strains the plate in the free motions."""
 SOFTEST = 1e-14
-"""Least relative stiffness KL⁴/(AD) of an elastic support, K in total, if rigid supports hold the plate.
+"""Least relative stiffness KL⁴/(AD) of an elastic support, K its total stiffness, if rigid supports hold the plate.
 
 The force of a softer support is below the rounding of the rigid supports' reactions."""
 RIGID = 1e12
@@ -59,7 +59,7 @@ Lines that meet or cross at a larger angle share a point. Reactions at such line
 with the least distance.
 """
 _AROUND = 64
-"""Number of directions around a point in which is tested whether there is plate."""
+"""Number of directions around a point that are tested for plate."""
 _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
 """Least fraction of the directions around a point in which there must be plate, for points and for points on lines.
 
@@ -276,7 +276,7 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
 
 
 def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
-    """Yield an error for each rigid one-sided area on which a rigid support holds the plate down against the area.
+    """Yield an error for each rigid one-sided area against which a rigid support presses the plate.
 
     With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
     reactions grow without limit as the mesh is refined.

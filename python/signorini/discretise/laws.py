@@ -30,7 +30,7 @@ class Law:
     vertices : tuple of (travel, force)
         At least one; travels and forces do not decrease.
     ends : (float, float)
-        Slopes before the first vertex and after the last; infinite where the point is rigid.
+        Slopes before the first and after the last vertex; infinite where the law is vertical.
     """
 
     vertices: tuple[tuple[float, float], ...] = ((0.0, 0.0),)

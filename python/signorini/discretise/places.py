@@ -1,4 +1,4 @@
-"""Where supports and loads act: from keys of the model to points of the mesh.
+"""Where supports and loads act: keys of the model are converted to points of the mesh.
 
 A rigid area acts on the mean deflection of every element, and at points on its outline. More points within an element
 would outnumber its free deflections. The means alone end half an element short of the outline, on which a tipping plate

@@ -24,11 +24,12 @@ class ContactPoints(Table, Brief):
     ``tightened_to`` (m,) is the reaction to which bolts were last tightened. ``preload`` (m,) is the reaction of every
     point when all bolts are tightened and no other load acts. Both are 0 where no bolt is tightened.
 
-    ``direction`` (m,) is +1 where the support pushes the plate up, −1 where it holds it down; then the row has the
-    opposite sign. ``slope`` (m,) marks two-sided points that hold a slope. ``positions`` (m, 2) and ``weights`` (m,)
-    (1, length or area) are those of the quadrature. ``support`` (m,) is the index of the support, ``numbers`` (m,) the
-    point's number among its support's points, from 0; 0 along lines and on areas. ``shared`` (m, 4) are the elements
-    whose area an averaged point represents in part, filled with −1.
+    ``direction`` (m,) is +1 where the support pushes the plate up; −1 where the support holds the plate down, and the
+    row has the opposite sign. ``slope`` (m,) marks two-sided points that hold a slope. ``positions`` (m, 2) and
+    ``weights`` (m,) (1, length or area) are those of the quadrature points. ``support`` (m,) is the index of the
+    support, ``numbers`` (m,) the point's number among its support's points, from 0; 0 along lines and on areas.
+    ``shared`` (m, 4) are the elements whose area a point that acts on element means represents in part; unused entries
+    are −1.
     """
 
     rows: Rows

@@ -137,10 +137,10 @@ class Zones:
     """The zones of a model on a mesh.
 
     ``inside`` (z, ne) marks the elements of each zone; an element that the border cuts counts by its middle. ``parted``
-    (z, ne) marks elements that the border cuts. ``rigidities`` (r,) are distinct, the plate's first; ``young`` (r,) is
-    the largest Young's modulus of each. ``equivalent`` (r,) is the thickness of a solid plate of equal stiffness where
-    a section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of the rigidity, by section
-    (see `SectionIndex`) and by the part that gives the modifiers.
+    (z, ne) marks elements that the border cuts. ``rigidities`` (r,) are the distinct rigidities, that of the plate
+    first; ``young`` (r,) is the largest Young's modulus of each. ``equivalent`` (r,) is the thickness of a solid plate
+    of equal stiffness where a section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of
+    the rigidity, by section (see `SectionIndex`) and by the part that gives the modifiers.
     """
 
     model: Model

@@ -153,7 +153,7 @@ class Acting(Located, base.OnPlate):
 
     @property
     def width(self) -> tuple[float, float]:
-        """Shorter and longer side of the footprint; for a disc twice the diameter, without a footprint (0, 0)."""
+        """Shorter and longer side of the footprint; both are the diameter of a disc, and 0 without a footprint."""
         a, b = self.patch or (2.0 * (self.radius or 0.0),) * 2
         return min(a, b), max(a, b)
 

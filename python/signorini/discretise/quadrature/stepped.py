@@ -120,9 +120,9 @@ def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
 
 
 class Cut(NamedTuple):
-    """Quadrature of elements that steps cut; the steps as segments in elements, with ends (f, 2, 2).
+    """Quadrature of elements that are cut by steps, and the segments of the steps in these elements.
 
-    Ends are in reference coordinates.
+    Segments have the elements ``front_elements`` (f,) and the ends ``fronts`` (f, 2, 2) in reference coordinates.
     """
 
     points: Quadrature
@@ -179,8 +179,8 @@ def cut_by(
     """Quadrature over elements (k,) of a function that is smooth except where a level changes sign.
 
     Parts have up to ``order`` Gauss points in each direction. A cut deviates from its step by at most ``off``, relative
-    to the element's side; after seven subdivisions it is accepted with a larger deviation. With ``quarter`` no part
-    extends over the middle lines of a quadrilateral.
+    to the element's side; after seven subdivisions the cut is accepted with a larger deviation. With ``quarter`` no
+    part extends over the middle lines of a quadrilateral.
     """
     # The box of a triangle has a second half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
