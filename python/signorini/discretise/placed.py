@@ -152,10 +152,11 @@ def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadratur
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A support on the mesh; ``place`` is the support's path in the model. ``nodes`` (q,) are the nodes at its
-    ``points``, −1 for a point between nodes or with a footprint. ``sides`` (k, 3) are element sides along its edge,
-    line or circle; None if the mesh does not follow the line. ``footprints`` is the quadrature over each point's
-    footprint.
+    """A support on the mesh; ``place`` is the path of the support in the model.
+
+    ``nodes`` (q,) are the nodes at its ``points``, −1 for a point between nodes or with a footprint. ``sides`` (k, 3)
+    are element sides along its edge, line or circle; None if the mesh does not follow the line. ``footprints`` is the
+    quadrature over each point's footprint.
     """
 
     place: Place
