@@ -1,4 +1,4 @@
-"""Provenance of results: the program, its version and commit, and the input with its SHA-256."""
+"""Provenance of results: the program with version and commit, and the input with its SHA-256."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SOURCES = Path(__file__).resolve().parents[3]
 
 @cache
 def commit() -> str | None:
-    """Commit of the sources, with "-dirty" if they are modified; None for an installed package."""
+    """Hash of the commit of the sources, with "-dirty" if files are modified; None for an installed package."""
     if not (_SOURCES / ".git").exists():
         return None
     describe = ("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
@@ -74,5 +74,5 @@ class Provenance:
 
 
 def _name(value: object) -> str:
-    """Name a path or a function, for which JSON has no value."""
+    """Name of a path or a function; JSON cannot represent the object itself."""
     return str(value) if isinstance(value, Path) else getattr(value, "__qualname__", type(value).__name__)

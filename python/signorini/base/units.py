@@ -1,4 +1,4 @@
 """Units of length."""
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
-"""Metres per unit of length."""
+"""Metres per unit, by the label of the unit of length."""
