@@ -61,7 +61,7 @@ class Axis:
     offset: float
 
     def ends(self, middle: Floats, length: float) -> Floats:
-        """End points (2, 2) of a segment of this axis of given length, centred on the axis point nearest to ``middle``."""
+        """End points (2, 2) of a segment of this axis of given length, centred at the point nearest to ``middle``."""
         foot = middle - (self.normal @ middle + self.offset) * self.normal
         along = np.array([-self.normal[1], self.normal[0]])
         return np.asarray(foot + np.outer([-0.5, 0.5], along) * length)
