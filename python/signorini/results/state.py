@@ -1,4 +1,4 @@
-"""State of a combination: fields at nodes, supports, numbers and certificate."""
+"""State of a plate under one combination: fields at nodes, supports, numbers and certificate."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class ResultState(Remade):
     thickness: Floats
     catalogue: Catalogue
     _read: Floats
-    """Numbers (k,) of the catalogue without extremes of fields, which are NaN."""
+    """Numbers (k,) in the order of the catalogue; extremes of fields are NaN here and computed by ``numbers``."""
     combination: Combination | None
     means: Means | None = None
     plates: Mapping[str, Self] = field(default_factory=dict)
@@ -112,17 +112,17 @@ class ResultState(Remade):
 
     @property
     def counted(self) -> str:
-        """Unit that ``iterations`` counts."""
+        """Unit in which ``iterations`` counts, such as pivots."""
         return "pivots" if self.method == "lemke" else "Newton steps"
 
     @property
     def heading(self) -> str:
-        """Title of the result's pictures: the model's title, and the result's name."""
+        """Title of the result's pictures: the title of the model and the name of the result."""
         return ", ".join(part for part in (self.model.title, self.name) if part)
 
     @property
     def reactions(self) -> Mapping[str, float]:
-        """Total reaction of every support by name, positive when it pushes the plate up."""
+        """Total reaction of every support by name, positive when the support pushes the plate up."""
         return Named({support.name: support.reaction for support in self.supports}, "support", "This result")
 
     @cached_property
@@ -196,7 +196,10 @@ class ResultState(Remade):
         return Named(found, "field", "This mapping of extremes")
 
     def excluding(self, number: str) -> list[Singularity]:
-        """Singularities around which nodes are excluded from extremes of "moment" or "shear"; none if all would be."""
+        """Singularities around which nodes are excluded from extremes of "moment" or "shear".
+
+        The list is empty if all nodes would be excluded.
+        """
         result = []
         for name, of in self.members.items():
             those = [one for one in of.singular if one.excludes(number)]
@@ -205,7 +208,7 @@ class ResultState(Remade):
 
     @cached_property
     def numbers(self) -> Floats:
-        """Every number (k,) of the ``catalogue``, in its order; NaN if missing."""
+        """Every number (k,) in the order of the ``catalogue``; NaN for missing numbers."""
         if self.status != "solved":
             return self._read
         if self.plates:
@@ -218,7 +221,7 @@ class ResultState(Remade):
         return result
 
     def require_fields(self) -> None:
-        """Raise `InputError` for several plates, and for a result without equilibrium."""
+        """Raise `InputError` if the result is that of several plates, or has no equilibrium."""
         if self.plates:
             names = ", ".join(f'plates["{name}"]' for name in self.plates)
             raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")
