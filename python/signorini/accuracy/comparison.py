@@ -120,7 +120,7 @@ class PathEstimate:
         return max(known) if known and len(known) == len(widths) else None
 
     def words(self, path: LoadPath, index: int) -> str:
-        """Write the t of a stop with six digits and its half-width."""
+        """Text for the t of a stop, with six digits and with its half-width if that is known."""
         t = f"{path.stops[index].t:.6g}"
         if not self.elements:
             return t
@@ -178,7 +178,7 @@ class Meshes:
 
     @classmethod
     def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
-        """Sort the meshes by their numbers of elements."""
+        """Sort the own mesh and the other meshes by their numbers of elements, the largest number first."""
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
         return cls(tuple(every), every.index(own), failed)
 
@@ -278,7 +278,7 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
     warnings = [warning] if warning else []
-    # Singularities of extremes are reported with the table of extremes.
+    # A growing extreme of a field has no warning here, since the table of extremes names its singularity.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
     # The plate below does not report a contact between plates; the upper plate does.
     upon = {index for index, support in enumerate(result.supports) if support.upon}

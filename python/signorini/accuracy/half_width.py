@@ -291,7 +291,7 @@ def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity
 
 
 def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
-    """List numbers in words, for warnings."""
+    """Text that names numbers and their owners, for warnings."""
     said: dict[str, list[str]] = {}
     for one in numbers:
         what = (one.quantity.words or one.quantity.name).partition(",")[0].replace("_", " ")

@@ -168,7 +168,7 @@ _LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
 factor at single places.
 """
 _GROWTH = 0.25
-"""Increase of the element size per distance from small elements."""
+"""Increase of the element size per distance from places with small elements."""
 _PARTS = 3.0
 """Length of the parts into which a line is divided, in mean element sizes. Each part is refined by its own factor."""
 _AIM = 0.5
@@ -189,11 +189,11 @@ class Refined:
     elements: int
     dofs: int
     worst: float
-    """Largest half-width, relative to the largest value of its field."""
+    """Largest half-width among the numbers, relative to the largest value of the number's field."""
     what: str
-    """Name of the number with the largest relative half-width."""
+    """Name of the number that has this largest half-width."""
     expected: int
-    """Estimated number of elements for the requested accuracy."""
+    """Estimated number of elements with which the requested accuracy is reached."""
 
     def said(self, asked: float) -> str:
         """State the accuracy reached, and the elements and memory that the requested accuracy ``asked`` would need."""
@@ -377,7 +377,7 @@ def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool
 
 
 def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
-    """Largest relative half-width of numbers without a place, and the points and lines to refine."""
+    """Largest relative half-width of numbers without a place, and the points and parts of lines to refine."""
     whole, parts = 0.0, dict[tuple[Point, ...], float]()
     for number in _numbers(estimates):
         if number.part > _AIM * asked:

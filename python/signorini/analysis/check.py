@@ -75,17 +75,17 @@ case.
 
 @dataclass(frozen=True)
 class Resultant:
-    """Resultant of the load of one combination, and whether reactions can balance it."""
+    """Resultant of the load of one combination, and whether reactions can balance this load."""
 
     name: str
     force: float
-    """Sum of the vertical forces, positive down."""
+    """Sum of the vertical forces of the load, positive down."""
     at: tuple[float, float] | None
     """Point (x, y) at which ``force`` alone has the same moments as the load; None if the forces sum to zero."""
     couple: tuple[float, float]
-    """Moments of the load about the middle of the plate."""
+    """Moments (about the x- and y-directions of the slopes) of the load about the middle of the plate."""
     message: str
-    """Reason why no reactions balance the load; empty if some do."""
+    """Reason why no reactions balance the load; empty if reactions can balance it."""
     brink: bool
     """Whether equilibrium is marginal: an arbitrarily small change of the load can end it. For rows of a table, this is
     computed for the first twenty. The limit is also computed for rows without equilibrium."""
@@ -129,7 +129,7 @@ class Check:
 
     @property
     def quality(self) -> str:
-        """Sentence with the smallest angle of an element and the share of quadrilaterals."""
+        """Sentence with the smallest angle of an element, and the share of the plate's area in quadrilaterals."""
         return str(Quality.of(self.discretisation.mesh))
 
     @property
@@ -284,7 +284,7 @@ def _unbalanced(
 
 
 def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
-    """Sum of vectors of load cases times the cases' factors; ``zero`` if ``factors`` is empty."""
+    """Sum of the load cases' vectors times their ``factors``; ``zero`` if ``factors`` is empty."""
     return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 

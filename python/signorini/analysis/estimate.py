@@ -35,7 +35,7 @@ _NEAR = 0.02
 length.
 """
 _FARTHER = 4.0
-"""Ratio of successive distances in the search for an event on another mesh."""
+"""Ratio of successive distances from t in the search for an event on another mesh."""
 
 
 def estimate_asked(path: LoadPath, watcher: Watcher | None = None) -> PathEstimate | None:
@@ -176,7 +176,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
         return iter(self.full)
 
     def __len__(self) -> int:
-        """Number of the estimates."""
+        """Number of the combinations that have an estimate."""
         return len(self.full)
 
     @property

@@ -95,16 +95,16 @@ _NUMBERS = 500_000
 
 @dataclass(eq=False)
 class PathJudge:
-    """Collects and certifies the answers of a path."""
+    """Collects the answers of a path, certifies them, and stores them as stops."""
 
     problem: ContactProblem
     loads: tuple[CaseLoad, CaseLoad]
     """Load at t = 0, and load added per unit of t."""
     stops: list[PathStop] = field(default_factory=list)
     certificates: list[Certificate] = field(default_factory=list)
-    """Certificates of the judged answers, until one fails."""
+    """Certificates of the answers; the list ends before the first answer that fails."""
     doubts: list[int] = field(default_factory=list)
-    """Numbers of the stops from which to the next stop the answer may not be unique."""
+    """Numbers of the stops after which, up to the next stop, the answer may not be unique."""
     first: Pieces | None = None
     """(m,): pieces of the laws of contact points from t = 0 to the first event."""
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)

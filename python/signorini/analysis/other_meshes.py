@@ -45,7 +45,7 @@ class _SameMeshError(SignoriniError):
 
 @dataclass(eq=False)
 class OtherMeshes:
-    """Solves a model on meshes other than its own, one after the other."""
+    """Solves a model on other meshes than its own, one mesh after the other."""
 
     model: Model
     mesh: Mesh
@@ -160,7 +160,7 @@ class EstimatedTable:
     others: tuple[tuple[Combined, Mesh], ...]
     """Table and mesh for each other mesh; empty if none could be solved."""
     why: str
-    """Reason why other meshes are missing; empty if two were solved."""
+    """Reason why another mesh is missing; empty if two other meshes were solved."""
     widths: Mapping[str, Floats] = field(default_factory=dict)
     """Half-widths (k,) of the columns, by ``<column>:plus_minus``; empty if the table is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
@@ -198,7 +198,7 @@ class EstimatedTable:
                 file.unlink()
 
     def width(self, column: str, row: int) -> float | None:
-        """Return the half-width of an extreme of an envelope; None if it has none."""
+        """Return the half-width of an extreme of an envelope, by column and row; None if it is unknown."""
         if self.picked:
             return known(self.picked.get((column, row), np.nan))
         return known(self.widths[column + ENDING][row]) if column + ENDING in self.widths else None

@@ -1,4 +1,4 @@
-"""Compute a certified result from given reactions."""
+"""Compute a certified result from reactions that the caller gives."""
 
 from __future__ import annotations
 

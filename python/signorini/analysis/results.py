@@ -118,7 +118,7 @@ class Results(States[str], Mapping[str, Result]):
         return iter(self._numbers)
 
     def __len__(self) -> int:
-        """Number of the combinations."""
+        """Number of combinations of the model."""
         return len(self.model.effective_combinations)
 
     def key(self, row: int) -> str:

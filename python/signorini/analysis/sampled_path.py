@@ -25,7 +25,7 @@ _AT_ROOT = 1e-7
 
 
 class Hit(NamedTuple):
-    """An event or threshold that was found, and the state at its t."""
+    """An event or threshold that was found, and the state of the plate at its t."""
 
     watch: Watch
     state: State
@@ -45,7 +45,7 @@ class SampledPath:
 
     @property
     def last(self) -> State:
-        """State of the last sample."""
+        """State of the plate at the last sample."""
         return self._last[-1]
 
     def begin(self) -> None:

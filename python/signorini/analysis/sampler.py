@@ -39,7 +39,7 @@ _NAMED = 10_000
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """The load start + t·add on one mesh."""
+    """The load start + t·add of a path on one mesh, and the t at which equilibrium ends."""
 
     names: tuple[str | None, str]
     loads: tuple[CaseLoad, CaseLoad]
@@ -129,7 +129,7 @@ class Sampler:
     watched: tuple[bool, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Find the supports that can open or yield."""
+        """Find the supports that can open or yield; only these have margins that change."""
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     def state(self, t: float, near: State | None = None) -> State:
@@ -174,7 +174,7 @@ class Sampler:
         return support.area is None or watch.number not in range(1, len(LEVELS) - 1)
 
     def changed(self, before: State, after: State) -> list[Watch]:
-        """Watches whose functions have different signs at two states."""
+        """List those watches whose functions have different signs at two states."""
         result = [
             Watch(index, int(number))
             for index, (one, other) in enumerate(zip(before.margins, after.margins, strict=True))

@@ -139,7 +139,7 @@ def _solve(
 
 
 def mean_load(discretisation: Discretisation) -> Floats:
-    """Mean nodal load (3n,) of all combinations; the sum does not depend on their order."""
+    """Mean nodal load (3n,) of all combinations; it is independent of the order of the combinations."""
     combinations = discretisation.model.effective_combinations
     factors: dict[str, list[float]] = {}
     for combination in combinations:

@@ -133,12 +133,12 @@ class _Stage:
         return replace(base, contacts=contacts, repeated=repeated), replace(nothing, nodal=nodal, weighing=nodal)
 
     def said(self, message: str) -> str:
-        """Return a message that begins with the name of the stage."""
+        """Return a message that begins with the text of this stage."""
         return f"While {self.what}: {message}"
 
     @property
     def what(self) -> str:
-        """Name of the stage in messages, such as a support's name."""
+        """Text for the stage in messages: "tightening" and the names of the supports or bolts."""
         return f"tightening {' and '.join(self.names)}"
 
 

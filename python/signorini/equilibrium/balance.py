@@ -48,7 +48,7 @@ class Bearing:
 
     @property
     def limited(self) -> bool:
-        """Whether any force has a bound in addition to force ≥ 0."""
+        """Whether any force has a bound other than force ≥ 0."""
         return bool(np.isfinite(self.most).any() or self.least.any())
 
 

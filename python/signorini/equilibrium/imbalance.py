@@ -27,7 +27,7 @@ _UP_AND_DOWN = 1e-5
 motions with equal rotations.
 """
 _ROUNDING = 1e-9
-"""Relative tolerance for zero reactions and motions."""
+"""Largest reactions and motions that count as zero, relative to the largest ones."""
 WORK = 1e-10
 """Largest work that counts as zero, relative to the size of the load times the largest component of the motion."""
 _COARSE = 1e-5
@@ -41,7 +41,7 @@ _MOST_HINGES = 4
 _MOST = 1e6
 """Largest limit of a load case, as a multiple of its factor. A case with a larger limit counts as unlimited."""
 _ALIKE = 1e-9
-"""Relative tolerance for equal limits."""
+"""Relative difference up to which two limits count as equal."""
 _OVERLAP = 1e-7
 """Smallest overlap at which rigid supports count as contradictory, relative to the largest gap or settlement."""
 _BRINK = 1e-9
@@ -50,7 +50,7 @@ CONTRADICTION = (
     "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
     "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
 )
-"""Message for `supports_contradict`."""
+"""Message if `supports_contradict` is true."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -351,7 +351,7 @@ def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
 
 
 def _motions(discretisation: Discretisation, motions: Floats) -> list[str]:
-    """Texts for the motions of those of several plates that move."""
+    """Text for the motion of each plate, without plates that do not move."""
     size, result = discretisation.mesh.size, []
     for plate, (w, *slopes) in zip(discretisation.plates, motions.tolist(), strict=True):
         turning, most = float(np.hypot(*slopes)), float(np.abs(motions * [1.0, size, size]).max())

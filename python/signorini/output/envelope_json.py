@@ -141,7 +141,7 @@ class _Shown:
             yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
 
     def tree(self, results: Results, group: str) -> dict[str, Any]:
-        """Return the extremes as nested dictionaries by their keys."""
+        """Return the extremes as nested dictionaries in the form of results.json."""
         envelope, layout = self.envelope, self.envelope.layout
         cases = frozenset(results.model.effective_combinations.cases_of(group))
         supports = [self._support(results, index) for index in range(len(layout.supports))]

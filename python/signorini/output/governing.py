@@ -23,7 +23,7 @@ class Governing:
     largest: bool
     combination: str
     own: float
-    own_width: float | None  # half-width of ``own``
+    own_width: float | None  # half-width of the extreme ``own``
     reactions: tuple[float, ...]
     widths: tuple[float | None, ...]  # half-widths of ``reactions``; None without estimate
 

@@ -103,19 +103,19 @@ def envelope_files(results: Results) -> dict[tuple[str, str], str]:
 
 
 def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
-    """Name of the envelope file of a group and plate; None if there is no such file."""
+    """Name of the envelope file of a group and plate; None if the group has no envelope."""
     return envelope_files(results).get((group if group in _parts(results.model) else "", plate))
 
 
 def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]:
-    """Names of the pictures of a plate's envelope file, by their suffixes."""
+    """Names of the pictures of one plate's envelope file, by their suffixes."""
     lines = bool(lines_on(results, plate))
     endings = [ending for ending in PICTURES if enveloped(results, ending) or (ending == REACTIONS and lines)]
     return {ending: f"{Path(file).stem}{ending}.png" for ending in endings}
 
 
 def lines_on(results: Results, plate: str) -> list[int]:
-    """Indices of the line supports of one plate, among the supports of the model."""
+    """Indices, in the model's list of supports, of the line supports of one plate."""
     owned = {one.name: one.numbers["support"] for one in results.discretisation.members}[plate]
     between = [support.between for support in results.model.support]
     lines = results.combined.layout.lines

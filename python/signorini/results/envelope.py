@@ -24,9 +24,9 @@ from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
-"""Factors of values: times −1, the smallest value becomes the largest."""
+"""Factors for values: values times −1 have their largest value where the values are smallest."""
 NONE = -1
-"""Number of a result that means "no result"."""
+"""Result number that stands for "no result"."""
 _GOVERNING = 12
 """Largest number of results that `Envelope.rows` lists."""
 _EQUAL = 1e-9
@@ -55,7 +55,7 @@ class Extremes:
 
     @property
     def sides(self) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints]]:
-        """The largest values with their results, then the smallest values with their results."""
+        """Pairs of values and result numbers: first of the largest values, then of the smallest values."""
         return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
 
     def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
@@ -102,7 +102,7 @@ class Extremes:
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def put(self, which: Ints | slice, some: Extremes) -> None:
-        """Replace the extremes of the numbers with the indices ``which`` by ``some``."""
+        """Replace the extremes of the numbers with indices ``which`` by the extremes ``some``."""
         for one in fields(self):
             getattr(self, one.name)[which] = getattr(some, one.name)
 
@@ -164,7 +164,7 @@ class Envelope:
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
-        """Envelope over no result."""
+        """Envelope that contains no result yet."""
         names = list(layout.fields)
         if names and any(support.on_nodes for support in layout.model.support):
             names.append("reaction")
@@ -191,7 +191,7 @@ class Envelope:
         )
 
     def __getitem__(self, column: str) -> Ends:
-        """Extremes of the number that a column of the table contains."""
+        """Extremes of the number that is in a column of the table."""
         by_column = self.layout.catalogue.by_column
         at, of = by_column[key_of(column, by_column, "column", "This envelope")], self.values
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
@@ -213,7 +213,7 @@ class Envelope:
         return places
 
     def on(self, plate: OfWhole) -> Envelope:
-        """The envelope in which the fields are only those of one of several plates."""
+        """The same envelope with only the fields of one of several plates."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
@@ -264,7 +264,7 @@ class Envelope:
             extremes.take(pressure, who, _size(pressure))
 
     def meet(self, other: Envelope) -> None:
-        """Extend this envelope by another envelope, which is over other results."""
+        """Extend this envelope by another envelope of other results."""
         new = self.values.meet(other.values)
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
@@ -344,7 +344,7 @@ class States(Remade, Generic[Key]):
 
     @abstractmethod
     def key(self, row: int) -> Key:
-        """Key of a row of the table, counted from 0: the combination's name, or t."""
+        """Key of a row of the table, given the row's number from 0: the combination's name, or t."""
 
     @property
     @abstractmethod

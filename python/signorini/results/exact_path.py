@@ -28,13 +28,13 @@ from signorini.results.result import Result
 class Segment(Brief):
     """Part of the path between two stops. No point opens or closes in it, so the answer is linear in t."""
 
-    begin: PathStop  # states at the two ends of the segment
+    begin: PathStop  # states of the plate at the begin and the end of the segment
     end: PathStop
-    pieces: Pieces  # (m,): pieces of the laws on which contact points are
+    pieces: Pieces  # (m,): piece of its law on which each contact point is
 
     @property
     def jumps(self) -> bool:
-        """Whether begin and end have the same t: nothing holds the plate, which moves until other points hold it."""
+        """Whether begin and end have the same t: the plate is not held, and moves until other points hold it."""
         return self.begin.t == self.end.t
 
 

@@ -53,7 +53,7 @@ class FieldExtremes:
     min: float
     min_at: tuple[float, float]
     min_beside: str
-    # largest and smallest mean at singular points of this field, with position and width; NaN if there are none
+    # largest and smallest mean at singular points of this field, with position and width; NaN without singular points
     max_mean: float = math.nan
     max_mean_at: tuple[float, float] = (math.nan, math.nan)
     max_mean_width: float = math.nan

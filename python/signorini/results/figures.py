@@ -145,7 +145,7 @@ def _line(support: SupportResult) -> dict[str, Any]:
 
 
 def total(support: SupportResult) -> dict[str, Any]:
-    """JSON of the numbers of a support as a whole."""
+    """JSON of the numbers that a support has as a whole, without those of its points."""
     return {
         "reaction": support.reaction,
         "closed": support.closed_count,

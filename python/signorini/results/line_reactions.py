@@ -383,7 +383,7 @@ def _body(bodies: Bodies, nodes: Ints) -> Ints:
 
 
 def _runs_of(which: Bools) -> list[Ints]:
-    """Arrays of consecutive indices at which a mask is True."""
+    """Arrays of consecutive indices at which a mask (k,) is True, one for each run."""
     (numbers,) = np.nonzero(which)
     return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 

@@ -187,7 +187,7 @@ class LoadPath(States[float]):
         return together([block.columns(layout, keys)]), envelope
 
     def _of_stops(self) -> Iterator[Result]:
-        """Results at all stops, in the order of t."""
+        """Yield the results at all stops, in the order of t."""
         return (self._result(stop.t) for stop in self.stops)
 
     def words(self, index: int) -> str:

@@ -261,7 +261,7 @@ class StripResult:
 
 
 class SectionsAndStrips(TypedDict):
-    """Sections and strips, as keyword arguments of a result."""
+    """Keyword arguments of a result for its sections and strips."""
 
     sections: Listed[SectionResult]
     strips: Listed[StripResult]

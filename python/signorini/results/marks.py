@@ -76,7 +76,7 @@ def support_mark(
     """
     style = _STYLES.get(support.place, "line")
     if support.fixed:
-        closed = None  # a support that never opens has no states
+        closed = None  # this support never opens, so it has no states
     counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
@@ -170,7 +170,7 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
 
 
 def bedding_panel(discretisation: Discretisation) -> Panel | None:
-    """Panel of the stiffness of areas whose stiffness varies in x and y; None if there is no such area."""
+    """Panel of the stiffness of areas whose stiffness varies in x and y; None without such areas."""
     mesh, model = discretisation.mesh, discretisation.model
     layers, known = [], []
     for support in model.support:
@@ -206,7 +206,7 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
 
 def cut_marks(model: Model) -> list[CutMark]:
-    """Marks of the sections and the strips of a model."""
+    """Marks of the sections and strips of a model, as lines in the picture."""
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
         # Lines across a strip run from the strip's right to its left.
@@ -309,7 +309,7 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
-    """Marks of the places of singularities, such as points and lines."""
+    """Marks of singularities: their points and lines."""
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 
 
@@ -453,7 +453,7 @@ def discs(excluded: Iterable[Singularity]) -> Floats:
 
 
 _NONE = 1e-9
-"""Smallest concentrated force that is labelled, relative to the total reaction of the line."""
+"""Smallest concentrated force that is labelled, relative to the line's total reaction."""
 
 
 def line_diagram(

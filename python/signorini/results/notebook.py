@@ -17,7 +17,7 @@ from signorini.results.support_result import SupportResult, symbol
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'
 _Row = tuple[Sequence[str], Sequence[str]]
-"""Cells of a table's row: texts, then numbers."""
+"""Cells of one row of a table: first texts, then numbers."""
 _MOST_POINTS = 20
 """Largest number of points of a support that are listed, as in the tables of the command."""
 

@@ -117,7 +117,7 @@ class PathEvent:
     change: Change
     # closed part of the support, by points, length or contact area; for "part closed" the quarter
     closed: float
-    opening: bool  # whether the closed part decreases at the event
+    opening: bool  # whether the closed part of the support decreases at the event
     # index of the margin: the point of the support, or the level in `LEVELS` of a line or area
     number: int = 0
 
@@ -237,7 +237,7 @@ class Threshold:
     when: str  # text of the request, such as ``"bolts[1].reaction = -203e3"``
     quantity: str  # name of the quantity, such as "bolts[1].reaction"
     value: float
-    t: float | None = None  # first t at which the quantity has the value; None if there is none on the path
+    t: float | None = None  # first t at which the quantity has the value; None if the path does not reach it
 
     def margin(self, number: float, above: bool) -> float:
         """The quantity minus the value; its sign changes where the quantity reaches the value from above or from below.

@@ -46,9 +46,9 @@ class PathStop(Brief):
     """State of a path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
     t: float
-    switched: tuple[Switch, ...]  # contact points that open or close here
+    switched: tuple[Switch, ...]  # contact points that open, close, yield or stop yielding
     points: Ints  # (k,): numbers of the contact points that change the piece of their law here
-    pieces: Pieces  # (k,): pieces of the laws of these points after the stop
+    pieces: Pieces  # (k,): pieces of the laws that these points are on after the stop
     catalogue: Catalogue  # names of the numbers in ``values``
     values: Floats  # (n,): numbers of the stop, in the order of the catalogue
     largest_at: tuple[float, float]  # position of the largest deflection; next, of the smallest deflection
@@ -83,12 +83,12 @@ class PathStop(Brief):
 
     @property
     def largest(self) -> float:
-        """Largest deflection at a node."""
+        """Largest deflection over the nodes, positive down."""
         return self.number("deflection.max")
 
     @property
     def smallest(self) -> float:
-        """Smallest deflection at a node."""
+        """Smallest deflection over the nodes; negative where the plate lifts."""
         return self.number("deflection.min")
 
     @property
@@ -97,7 +97,7 @@ class PathStop(Brief):
         return self.smallest if -self.smallest > self.largest else self.largest
 
     def number(self, name: str) -> float:
-        """Number at this stop by its name, such as "bolts[1].reaction"."""
+        """Value of a number at this stop, by the number's name, such as "bolts[1].reaction"."""
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:

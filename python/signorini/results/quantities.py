@@ -115,19 +115,19 @@ class Quantity:
     """One quantity, such as mx or a reaction: name, kind, key, and the files in which its numbers appear."""
 
     name: str  # name in tables and thresholds, such as "mx"
-    kind: str  # one of `KINDS`
+    kind: str  # name in `KINDS`
     words: str = ""  # description, with the symbol
     key: Path = ()  # keys and indices below the owner in results.json; if empty, the name
     # name of the vector of which the quantity is a component; components of one vector at one probe change together
     vector: str = ""
-    tabled: bool = True  # whether tables have a column for it
-    enveloped: bool = True  # whether envelopes have its extremes
-    along_paths: bool = True  # whether load paths list it at every stop
-    parents: tuple[str, ...] = ()  # names of the fields from which it is computed
+    tabled: bool = True  # whether tables have a column for the quantity
+    enveloped: bool = True  # whether envelopes contain extremes of the quantity
+    along_paths: bool = True  # whether load paths list the quantity at every stop
+    parents: tuple[str, ...] = ()  # names of the fields that the quantity's formula uses
 
     @property
     def path(self) -> Path:
-        """Keys and indices below the owner in results.json."""
+        """Keys and indices in results.json below the owner: ``key`` or, if this is empty, the name."""
         return self.key or (self.name,)
 
     @property
@@ -324,7 +324,7 @@ OF_STRIPS = tuple(
 )
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
-"""Names of the largest and smallest mean of a field at singular places."""
+"""Names of the largest and the smallest mean of a field over its singular points."""
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
 """Owners ("homes") of the extremes of fields, and of the extremes of means at singular places."""
@@ -357,8 +357,8 @@ class Number:
     path: Path  # keys and indices that lead to the number in results.json
     subject: str  # name of the owner in columns and thresholds
     part: int = 0  # index of the point of a support, or of the station of a strip, from 0
-    tabled: bool = True  # whether tables have a column for it
-    estimated: bool = True  # whether half-widths are computed for it
+    tabled: bool = True  # whether tables have a column for the number
+    estimated: bool = True  # whether half-widths are computed for the number
 
     @property
     def column(self) -> str:
@@ -495,7 +495,7 @@ class Catalogue:
         return cls(tuple(result))
 
     def __len__(self) -> int:
-        """Number of the numbers."""
+        """Number of entries of the catalogue."""
         return len(self.numbers)
 
     def __repr__(self) -> str:

@@ -78,23 +78,23 @@ class Linear(NamedTuple):
     through: Floats
     """(k, 3c): moment, twist and shear of every section, then their means at every station of the strips."""
     forces: Floats
-    """(k, h + s): upward forces of held nodes and of springs, support by support."""
+    """(k, h + s): upward forces of held nodes and springs; all entries of a support are consecutive."""
     couples: Floats
     """(k, 2t): couples on θx and θy of points with a rotational stiffness, support by support."""
     on_lines: Floats
     """(k, v): forces at the vertices of lines that represent the twisting couples of edges, line by line."""
     on_areas: Floats
-    """(k, a): deflections of the nodes of elements on elastic areas."""
+    """(k, a): deflections of the nodes that belong to elements on elastic areas."""
     beneath: Floats
     """(k, b, a): deflections of other plates at the same nodes, for each of b supports between plates."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
-        """Stack the readings of single solutions."""
+        """Stack the readings of single solutions along a new first axis."""
         return cls(*map(np.array, zip(*each, strict=True)))
 
     def sums(self, coefficients: Floats) -> Linear:
-        """Readings (k, ...) of linear combinations, with coefficients (k, b), of the b solutions."""
+        """Readings (k, ...) of k linear combinations of the b solutions, with coefficients (k, b)."""
         return Linear(
             *(
                 _core.superpose(coefficients, one.reshape(len(one), -1)).reshape(len(coefficients), *one.shape[1:])
@@ -110,7 +110,7 @@ class Reader:
     discretisation: Discretisation
     points: tuple[SupportPoints, ...]
     lines: Mapping[int, Line]
-    around_areas: Ints  # (a,): nodes of elements on elastic areas
+    around_areas: Ints  # (a,): nodes that belong to elements on elastic areas
 
     @staticmethod
     @kept
@@ -327,7 +327,7 @@ class SupportReading:
 
     @cached_property
     def reactions(self) -> Floats:
-        """Upward forces (k, p)."""
+        """Upward forces (k, p) that the points exert on the plate."""
         return self.points.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared)
 
     @cached_property
@@ -399,7 +399,7 @@ class SupportReading:
 
     @cached_property
     def areas(self) -> tuple[AreaContact, ...]:
-        """Contact of the area support in every answer."""
+        """Contact of the area support in each of the k answers."""
         columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
         return tuple(
             area_contact(
@@ -411,7 +411,7 @@ class SupportReading:
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures (k, q) at `AreaContact.pressure_places`."""
+        """Pressures (k, q) of the area support at `AreaContact.pressure_places`."""
         if not self.support.is_elastic:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)

@@ -60,13 +60,13 @@ class Hidden:
     (`StressNodes.counting`). Nodes that the same load cases exclude form a class.
     """
 
-    classes: Ints  # (n,): class of each node; class 0 is never excluded
+    classes: Ints  # (n,): number of the class of each node; class 0 is never excluded
     always: Bools  # (c,): whether each class is excluded under all loads
     by_case: Mapping[str, Bools]  # for each load case: mask (c,) of the classes that it excludes
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:
-        """No excluded node among ``count`` nodes."""
+        """`Hidden` in which none of ``count`` nodes is excluded."""
         return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
 
     @classmethod
@@ -109,15 +109,15 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class PlateLayout:
-    """Catalogue and excluded nodes of one plate, from which rows of a table are computed."""
+    """Catalogue and excluded nodes of one plate; they are needed to compute rows of a table."""
 
     plate: OfWhole
-    catalogue: Catalogue  # numbers of this plate
+    catalogue: Catalogue  # names and units of this plate's numbers
     hidden: Mapping[str, Hidden]  # for each field, the nodes that are excluded from its extremes
 
     @classmethod
     def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
-        """Layout of one plate; ``fields`` are the fields with extremes."""
+        """Layout of one plate for rows; ``fields`` are the fields whose extremes are in the rows."""
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
@@ -135,10 +135,10 @@ class PlateLayout:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
-    """Columns of a model's table, and the data from which rows are computed."""
+    """Columns of a model's table, and the data that are needed to compute its rows."""
 
     model: Model
-    catalogue: Catalogue  # numbers that every row has
+    catalogue: Catalogue  # names and units of the numbers of a row
     supports: tuple[SupportPoints, ...]
     at_rest: Mapping[int, AreaContact]  # contact of areas without load, by index of the support in the model
     lines: Mapping[int, Line]  # lines of supports, by index of the support in the model
@@ -189,7 +189,7 @@ class Layout:
 
     @cached_property
     def pressures(self) -> Pressures:
-        """Pressures of all area supports together."""
+        """Pressures of all area supports of the model."""
         return Pressures(list(self.at_rest.values()))
 
     @cached_property
@@ -239,13 +239,13 @@ class Layout:
 class Block:
     """Consecutive results (k,), which are rows of a table; NaN and 0 in rows without equilibrium."""
 
-    first: int  # number of the first row, from 0
+    first: int  # number of the block's first row in the table, from 0
     solved: Bools  # (k,): whether there is an equilibrium
     method: list[str]
     not_unique: list[str]
-    iterations: Ints  # (k,): iterations of the method
+    iterations: Ints  # (k,): Lemke pivots or Newton steps
     certificate: Floats  # (k, 5): errors of the certificate in the order of `FIGURES`
-    values: Floats  # (k, n): numbers in the order of the layout's catalogue
+    values: Floats  # (k, n): numbers of each row in the order of the layout's catalogue
     reaction: Floats  # (k, p): reactions of every point of every support
     closed: Bools  # (k, p): whether each point is closed
     # (k, p): whether each point touches the plate at rest, but the plate has moved away from it
@@ -286,7 +286,7 @@ class Block:
         return self.first + np.arange(len(self.solved))
 
     def put(self, row: int, layout: Layout, result: ResultState) -> None:
-        """Fill a row from the complete result of its combination."""
+        """Fill a row of the block from the complete result of a combination."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
         self.iterations[row] = result.iterations

@@ -107,7 +107,7 @@ class ResultState(Remade):
 
     @property
     def members(self) -> Mapping[str, Self]:
-        """The plates by name; a single plate is its only member."""
+        """Results of the plates by name; a single plate is its only member."""
         return self.plates or {"": self}
 
     @property

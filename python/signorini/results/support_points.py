@@ -34,7 +34,7 @@ class SupportPoints:
     rows: Ints
     direction: Floats  # (r, c): +1 where a row pushes the plate up, −1 where it holds it down
     order: Ints  # (h + s + c,): takes held nodes, springs, contact points to the order of the input
-    positions: Floats  # (p, 2): positions in the order of the input
+    positions: Floats  # (p, 2): positions of the points in the order of the input
     weights: Floats  # (p,): length or area that each point represents; 1 for supports at points
     elements: Ints  # (p,): element that contains each point; −1 for held nodes
     # (c', c): for an area with element means, the shares of each element in the area's contact points
@@ -75,7 +75,7 @@ class SupportPoints:
 
     @property
     def fixed(self) -> int:
-        """Number of held nodes and springs."""
+        """Number of "fixed" points: held nodes and springs."""
         return len(self.nodes) + len(self.springs)
 
     def forces(self, fixed: Floats, reaction: Floats) -> Floats:
@@ -215,7 +215,7 @@ class Scales:
 
     @classmethod
     def of(cls, answer: Answer) -> Scales:
-        """Take the largest reaction as force, and the largest gap or deflection as length."""
+        """Divisors from an answer: its largest reaction, and its largest gap or deflection."""
         force = float(np.abs(answer.shared).max(initial=0.0))
         length = max(float(np.abs(one).max(initial=0.0)) for one in (answer.gap, answer.hi[::3]))
         return cls(force or 1.0, length or 1.0)

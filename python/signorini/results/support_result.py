@@ -199,7 +199,7 @@ class SupportResult(Remade):
 
     @property
     def preload(self) -> float:
-        """Sum of the preloads of the bolts; NaN without a preload."""
+        """Sum of the preloads of the support's points; NaN without a preload."""
         return self.numbers.get("preload", np.nan)
 
     @property
@@ -215,12 +215,12 @@ class SupportResult(Remade):
 
     @property
     def closed_count(self) -> int:
-        """Number of closed points."""
+        """Number of the support's closed points."""
         return int(self.closed.sum())
 
     @property
     def open_count(self) -> int:
-        """Number of open points."""
+        """Number of the support's open points."""
         return len(self.closed) - self.closed_count
 
     @property

@@ -1,4 +1,4 @@
-"""Fields of results for .vtu files."""
+"""Fields of a result in the form of a .vtu file."""
 
 from __future__ import annotations
 

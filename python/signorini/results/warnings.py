@@ -80,7 +80,7 @@ def result_warnings(
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
 ) -> tuple[str, ...]:
-    """Warnings of one combination; they follow the warnings of the model."""
+    """Warnings of the result of one combination; the model's warnings are first."""
     warned = [
         *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
@@ -117,7 +117,7 @@ def idle_cases(model: Model) -> Iterator[str]:
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
     """Warn if the forces of a load sum to zero, or if no force acts and no support is moved."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
-        # Forces that another plate exerts are not loads.
+        # With several plates there is no such warning: forces between plates are not loads.
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())

@@ -47,7 +47,7 @@ class Beside:
     thickness: Floats
 
     def __len__(self) -> int:
-        """Number k of the points."""
+        """Number k of the singular points."""
         return len(self.places)
 
     def width_at(self, place: Sequence[float]) -> float:

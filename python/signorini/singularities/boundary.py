@@ -173,7 +173,7 @@ class Boundary:
         return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
-        """Slopes that are held along a side."""
+        """Held slopes of an element side: none, across it, along it, or both."""
         return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
 
     def corners(self) -> list[tuple[tuple[float, float], float, bool, tuple[str, ...]]]:
@@ -227,7 +227,7 @@ class Boundary:
         return np.flatnonzero(distance <= np.maximum(self.mesh.near.written, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
-        """Direction (2,) of a side, from its first to its last node."""
+        """Direction (2,) of an element side, from its first to its last node."""
         a, b = self.mesh.points[self.sides[side, [0, 2]]]
         return np.asarray((b - a) / np.hypot(*(b - a)))
 

@@ -97,7 +97,7 @@ def ends_of_line(
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
         if along_edge or (len(directions) == 2 and not _bends(*directions)):
-            continue  # corners of edges are found in `Boundary.corners`
+            continue  # corners of the plate's edges are found in `Boundary.corners`
         if not rays:
             numbers = (("moment",) if held_slopes != "free" else ()) + of_deflection
         else:

@@ -25,7 +25,7 @@ _AROUND = 1e-5
 _ALIKE = 1e-3
 """Smallest relative difference of thicknesses around a corner of a zone that counts as a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
-"""Unit vectors in eight directions."""
+"""Unit vectors in eight directions, by which sections around a corner are compared."""
 _RESOLVED = 0.5
 """Least width of a footprint relative to its element at which moments are resolved. They are too small by a fifth at a
 width of a third of an element, by a third at a tenth."""

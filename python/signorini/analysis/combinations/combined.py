@@ -154,7 +154,7 @@ def combine(
 
 
 def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
-    """Return the envelope over all results of several envelopes."""
+    """Return one envelope that contains the results of all ``envelopes``."""
     result = Envelope.none(layout, mesh)
     for one in envelopes:
         result.meet(one)
@@ -224,7 +224,7 @@ class _Run:
         rows = np.flatnonzero(verdict == 0)
         coefficients = np.ascontiguousarray(np.hstack([np.ones((len(rows), 1)), factors[rows], pushes[rows]]))
         figures = terms.proof.figures(coefficients, np.ascontiguousarray(reaction[rows]))
-        # Keep sums of which the certificate passes and the equilibrium is not in doubt.
+        # Keep sums that pass the certificate and whose equilibrium is not in doubt.
         certain = (figures <= TOLERANCE).all(axis=1) & (figures[:, FIGURES.index("balance")] <= _BALANCED)
         certain &= ~doubtful(self.problem.discretisation, self.problem.freedom, reaction[rows], gap[rows])
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
@@ -232,7 +232,7 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        # The plates of the problem have tightened bolts; the plates of the layout have not.
+        # Bolts are tightened in the problem's plates; the layout has the plates before tightening.
         plates = self.problem.discretisation.members
         for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
             points = plate.points
@@ -357,7 +357,7 @@ def _take_derived(
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
-    """Yield each group with its row numbers, given rows (k,) in rising order."""
+    """Yield each group with the numbers of its rows, given all rows (k,) in rising order."""
     for group in dict.fromkeys(groups[row] for row in rows):
         yield group, np.array([row for row in rows if groups[row] == group])
 

@@ -58,9 +58,9 @@ class Sizes(NamedTuple):
     resultant: Floats
     """(3p,): force and two moments of the load on each plate, excluding self-equilibrated parts."""
     deflection: Floats
-    """Deflections of the nodes that `Watch` lists."""
+    """Deflections of the nodes in `Watch.nodes`."""
     load: Floats
-    """Loads on the dofs that `Watch` lists; couples are divided by the element size."""
+    """Loads on the dofs in `Watch.dofs`; couples are divided by the element size."""
 
     @classmethod
     def of(
@@ -107,7 +107,7 @@ def _units(discretisation: Discretisation) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Data from which certificate errors of sums are computed.
+    """Data that certificate errors of sums are computed from.
 
     ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows times rigid motions. ``grip`` (m, 1) is the
     largest entry of each contact row.
@@ -120,7 +120,7 @@ class Proof:
 
     @classmethod
     def of(cls, discretisation: Discretisation, sizes: Sequence[Sizes]) -> Proof:
-        """Stack the data of the terms."""
+        """Stack the data of all terms for certificates."""
         rows = abs(discretisation.contact_rows)
         rows.data /= _units(discretisation)[rows.indices % 3]
         motions = discretisation.scaled_motions
@@ -185,8 +185,7 @@ class PlateTerms:
     """Values of one plate in all b terms of the sums."""
 
     fields: dict[str, Floats]
-    """Fields (b, n) at nodes or (b, s) at stress nodes from which envelopes are computed, by name; "reaction" is one of
-    these names.
+    """Fields (b, n) at nodes or (b, s) at stress nodes, by name, for the envelopes; "reaction" is one of these names.
     """
     linear: Linear
     """Linear readings of the terms; the first axis of each array is (b,)."""
@@ -209,7 +208,7 @@ class Terms:
     cases: tuple[str, ...]
     """Names of the load cases, in the order of the terms."""
     shared: _core.CombinedCases
-    """Condensed contact problem of all terms."""
+    """Contact problem of all terms, condensed onto the contact points."""
     plates: tuple[PlateTerms, ...]
     """Values of every plate in the terms."""
     proof: Proof

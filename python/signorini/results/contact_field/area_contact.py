@@ -43,7 +43,7 @@ def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
-    """Contact of one area support."""
+    """Contact of one area support in one solution: pressures, contact area, edge of contact."""
 
     mesh: Mesh
     support: Support  # the area support
@@ -322,12 +322,12 @@ class Pressures:
 
     @cached_property
     def nodes(self) -> Ints:
-        """Nodes (k,) on elastic areas."""
+        """Nodes (k,) of the plate that are on at least one elastic area."""
         return np.flatnonzero(np.any([area.on_nodes for area in self._elastic], axis=0))
 
     @cached_property
     def elements(self) -> Ints:
-        """Elements (k,) with a part of a rigid area."""
+        """Elements (k,) of which a part is on at least one rigid area."""
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
     def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
@@ -360,7 +360,7 @@ class Pressures:
 
     @cached_property
     def _part(self) -> Floats:
-        """Area (k,) of each of ``elements`` that is on at least one rigid area."""
+        """Area (k,), in each of ``elements``, that is on at least one rigid area."""
         parts = np.array([area.covered[self.elements] for area in self._rigid])
         most, least = parts.sum(axis=0), parts.max(axis=0)
         several = np.flatnonzero(most > least)

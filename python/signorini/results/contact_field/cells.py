@@ -83,7 +83,7 @@ class _Grid(NamedTuple):
     travel: tuple[Floats, Floats]
     """(e, d + 1, d + 1) each: settlement and gap of the support at the vertices."""
     areas: Floats
-    """(e, d, d, 2): areas of the triangles."""
+    """(e, d, d, 2): areas of the two triangles of each cell."""
     whole: Bools
     """(e, d, d): mask of the cells that are wholly within the support."""
     outside: Bools
@@ -148,7 +148,7 @@ class Cells:
         low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
         whole = (low >= 0) & (high > 0) & grid.whole[place]
         pressed = np.einsum("pijt,pij->p", grid.areas[place], whole)
-        # Cells with an unknown overlap (NaN) are included: it is not a zero overlap.
+        # Cells whose overlap is unknown (NaN) are included; their area in contact becomes 0 below.
         at, i, j = np.nonzero(~(whole | (high < 0) | grid.outside[place]))
         which = place[at], i, j
         over = _of_triangles([corner[at, i, j] for corner in corners])
@@ -191,7 +191,7 @@ class Cells:
 
     @property
     def _across(self) -> Ints:
-        """Neighbour (ne, 4) of each element at each of its sides; −1 if there is none."""
+        """Neighbour (ne, 4) of each element at each of its sides; −1 on the boundary."""
         elements = self.mesh.elements
         real, middles = real_sides(elements), elements[:, 4:]
         owner = np.arange(len(elements))[:, None] + 1
