@@ -327,7 +327,7 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen design moments at probes that are 0 on every mesh, by the amount by which they may exceed zero."""
+    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero."""
     for row, one in enumerate(numbers):
         if one.home != "probe" or one.quantity.name not in DESIGN_MOMENTS:
             continue

@@ -76,8 +76,8 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
-    # `divisions` do not include refined places; with these, the number along a side follows from the number of
-    # elements.
+    # `divisions` do not include refined places. If there are such places, the number along a side follows from the
+    # number of elements.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
     # Meshes of a refinement to an accuracy are all compared with finer meshes. Otherwise half-widths would jump between
     # two meshes of which only the second is compared with coarser meshes.

@@ -83,7 +83,7 @@ class Resultant:
     at: tuple[float, float] | None
     """Point (x, y) at which ``force`` alone has the same moments as the load; None if the forces sum to zero."""
     couple: tuple[float, float]
-    """Moments (about the x- and y-directions of the slopes) of the load about the middle of the plate."""
+    """Moments Σ F (x − x₀) and Σ F (y − y₀) of the load, couples included, about the middle (x₀, y₀) of the plate."""
     message: str
     """Reason why no reactions balance the load; empty if reactions can balance it."""
     brink: bool
@@ -258,7 +258,7 @@ def _unbalanced(
 ) -> dict[int, Imbalance]:
     """Causes of imbalance of the combinations after the first `ASKED`, by row number of the combination.
 
-    Loads that reactions can balance are a convex set. For each load its work on the free rigid motions is known. A
+    Loads that reactions can balance are a convex set. The work of each load on the free rigid motions is known. A
     linear program over all points is solved only if this work is outside the convex hull of the work of loads known to
     be balanced.
     """

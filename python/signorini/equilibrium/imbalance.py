@@ -39,7 +39,7 @@ _LIFTS = 1e-9
 _MOST_HINGES = 4
 """Largest number of hinges of one support that a message lists."""
 _MOST = 1e6
-"""Largest limit of a load case, as a multiple of its factor. A case with a larger limit counts as unlimited."""
+"""Largest limit of a load case, as a multiple of the case's factor. A case with a larger limit counts as unlimited."""
 _ALIKE = 1e-9
 """Relative difference up to which two limits count as equal."""
 _OVERLAP = 1e-7
@@ -69,7 +69,7 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """Least extra force that would just hold the plate, the force's direction, and the position (2,) of its node."""
+    """Least extra force that would just hold the plate, its direction, and the position (2,) of the loaded node."""
 
     force: float
     direction: Literal["up", "down"]
@@ -455,7 +455,8 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
     if freedom.outline.limited:
         return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
-    # The first unknown is the least reaction of all points; the other unknowns are the reactions in excess of it.
+    # The first unknown is the least reaction of all points; the other unknowns are the reactions minus this least
+    # reaction.
     balance = np.column_stack([one_sided.sum(axis=0), one_sided.T])
     work = work_of(discretisation, freedom, nodal) / total
     cost = np.append(-1.0, np.zeros(len(one_sided)))

@@ -109,7 +109,8 @@ class ExactPath(LoadPath):
     def _on(self, t: float, segment: int, leading: bool) -> Result:
         """Result at t on the contact state of a segment.
 
-        If several answers are right, it is the least-norm answer or, if ``leading``, one that continues the path.
+        If several answers are right, the result has the least-norm answer or, if ``leading``, an answer that continues
+        the path.
         """
         load = self._loads[0] + t * self._loads[1]
         discretisation = self.problem.discretisation

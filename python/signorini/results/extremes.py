@@ -151,7 +151,7 @@ def extremes(
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points that are singular in it."""
+    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points with a singularity."""
 
     beside: Beside
     values: Floats

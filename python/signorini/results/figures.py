@@ -54,7 +54,7 @@ def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str,
 
 
 def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
-    """Replace the numbers of a tree by their half-widths: 0 for numbers of the input, None where it is unknown."""
+    """Replace the numbers of a tree by their half-widths: 0 for numbers of the input, None if unknown."""
     match tree:
         case dict():
             return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}

@@ -88,7 +88,7 @@ class ProbeResult:
 
 
 def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), thickness (q,) and pressures (q,); these are NaN off areas."""
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,)."""
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
     return tuple(
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)

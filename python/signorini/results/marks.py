@@ -274,7 +274,7 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
-    """Texts with the sum of forces of each load case that does not move, or of its couples if it has no force."""
+    """Texts with the sum of forces of each load case that does not move; for a case without forces, of couples."""
     units, sums = discretisation.model.units, {}
     motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):

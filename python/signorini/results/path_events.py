@@ -123,7 +123,7 @@ class PathEvent:
 
 
 def closing_margins(support: Support, margins: int) -> int:
-    """Number of a support's margins to opening and closing; of all ``margins`` these are the first."""
+    """Number of a support's margins to opening and closing, which are the first of all ``margins`` margins."""
     if support.place != "at":
         return len(LEVELS)
     return margins if not support.can_yield else margins // 2

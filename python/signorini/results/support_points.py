@@ -32,7 +32,7 @@ class SupportPoints:
     # (r, c): numbers of contact points, repeated points included; r = 2 if a point has a row for each direction of
     # travel
     rows: Ints
-    direction: Floats  # (r, c): +1 where a row pushes the plate up, −1 where it holds it down
+    direction: Floats  # (r, c): +1 if a row pushes the plate up, −1 if a row holds the plate down
     order: Ints  # (h + s + c,): takes held nodes, springs, contact points to the order of the input
     positions: Floats  # (p, 2): positions of the points in the order of the input
     weights: Floats  # (p,): length or area that each point represents; 1 for supports at points
@@ -182,7 +182,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     """Elements (e,), and their shares (e, c) in contact points that represent parts of up to four elements (c, 4).
 
     Shares are proportional to area, so that a point on the outline causes the same pressure in a small part of an
-    element as in the element beside it.
+    element as in the adjacent element.
     """
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)

@@ -312,10 +312,10 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
 
 
 def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
-    """Contact of the areas that support this plate, without areas through which another plate rests on it."""
+    """Contact of the areas that support this plate, without areas through which another plate rests on this plate."""
     return [one.area for one in supports if one.area is not None and not one.upon]
 
 
 def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
-    """Lines that support this plate, without lines through which another plate rests on it; each with its support."""
+    """Lines that support this plate, each with its support; no lines through which another plate rests on it."""
     return [(one, one.line) for one in supports if one.line is not None and not one.upon]

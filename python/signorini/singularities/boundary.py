@@ -42,8 +42,8 @@ _OF_ROUND = 0.2
 zero, since sides are parabolas, not arcs.
 """
 _OFF_ROUND = 0.1
-"""Largest distance of a point from a curved side that it counts as on, relative to the side's rise. Points of the exact
-circle are off the parabola.
+"""Largest distance from a curved side at which a point counts as on the side, relative to the side's rise. Points of
+the exact circle are off the parabola.
 """
 _NEAR, _NONE = 1e-4, 1e-6
 """Step of the difference quotient of a settlement, relative to the plate's size; relative tolerance for equal slopes.

@@ -22,7 +22,7 @@ _ENDS = 1e-9
 _BESIDE = "take values from beside these elements."
 _AS_ZONE = "Or define it by a zone, whose border the mesh follows."
 _ON_SIDE = 1e-6
-"""Largest distance of a line from a side of an element on which it counts as lying, in reference coordinates."""
+"""Largest distance from a side of an element at which a line counts as along the side, in reference coordinates."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:

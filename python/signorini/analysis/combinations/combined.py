@@ -1,4 +1,4 @@
-"""Solve many combinations with one factorization, as rows of a table, and extend envelopes by them.
+"""Solve many combinations with one factorization, as rows of a table, and extend envelopes by these rows.
 
 Combinations are solved in blocks of consecutive rows; each block is passed on and not stored. Memory does not grow with
 the number of combinations.

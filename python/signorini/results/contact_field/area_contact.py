@@ -27,8 +27,7 @@ _WHOLE = 1.0 - 1e-9
 _TOUCHING = 1e-9
 """Largest overlap that counts as zero and causes no pressure, relative to the largest overlap or gap at the nodes."""
 _ON_OUTLINE = 1e-9
-"""Largest distance of a point from the support's outline at which it counts as on the outline, relative to the plate's
-size.
+"""Largest distance from the support's outline at which a point counts as on the outline, relative to the plate's size.
 """
 _STRAIGHT = 1e-3
 """Largest distance of a simplified polyline from the edge of contact, relative to the element size."""

@@ -35,7 +35,7 @@ def _ground(discretisation: Discretisation, index: int) -> Mesh:
 
 @kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area support without load, which gives its geometry and law; computed once."""
+    """Contact of an area support without load, computed once; it has the support's geometry and law."""
     positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
     nothing = np.zeros(len(positions))
     return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
@@ -44,7 +44,7 @@ def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Mask (ne,) of the elements in which an area is stiffer than the plate.
 
-    If the area never opens, it counts as stiffer where it is practically rigid.
+    For an area that never opens, these are the elements in which the area is practically rigid.
     """
     stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
     if support.modulus is not None:
