@@ -53,12 +53,12 @@ class Estimate(Brief):
     widths : (n,) array
         Half-widths of the numbers of ``result.catalogue``; NaN where unknown.
     plus_minus : mapping or None
-        Half-widths by the keys deflection, fields, supports, probes, sections and strips of results.json; None where
-        unknown. None as a whole if no other mesh was solved.
+        Half-widths in the form of results.json, with its keys deflection, fields, supports, probes, sections and
+        strips; None where a half-width is unknown. If no other mesh was solved, None in place of the mapping.
     elements : tuple of int
         Element counts of the compared meshes, finest first, including the mesh of ``result``.
     warnings : tuple of str
-        Why half-widths are missing or wide, in sentences.
+        Sentences that say why half-widths are missing or wide.
     plates : mapping of Estimate
         Estimate of each of several plates, by name.
     """
@@ -90,11 +90,11 @@ class PathEstimate:
     Parameters
     ----------
     end : float or None
-        Half-width of the t at which the path ends.
+        Half-width of the t at which the path ends; None if unknown.
     events : tuple of float or None
-        Half-widths of the t of every named event.
+        Half-width of the t of each named event; None where unknown.
     thresholds : tuple of float or None
-        Half-widths of the t of every threshold.
+        Half-width of the t of each threshold; None where unknown.
     elements, warnings
         As in `Estimate`.
     """

@@ -154,7 +154,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
     full : mapping of Estimate
         Estimate of every result in ``results.full``, by combination.
     of_table : EstimatedTable or None
-        Half-widths of a table, if the combinations are its rows.
+        Half-widths of the table, if combinations are rows of a table.
     """
 
     results: Results

@@ -38,15 +38,16 @@ class Results(States[str], Mapping[str, Result]):
     ----------
     problem : ContactProblem
     full : mapping of Result
-        Results computed so far: all combinations or, if these are rows of a table, those named in
+        Results computed by the solve: of all combinations or, if these are rows of a table, of the combinations in
         ``output.fields``.
     seconds : mapping of float
+        Duration of each step of the solve in seconds, by name: "mesh", "assemble", "factor" and so on; "total".
     refinement : tuple of Refined
-        Meshes of the refinement to ``mesh.accuracy``, the present one last; empty without it.
+        Meshes of the refinement to ``mesh.accuracy``, the mesh of these results last; empty without ``mesh.accuracy``.
     estimates : mapping of Estimate
-        With ``mesh.accuracy``, half-widths of the results in ``full``; else none.
+        Half-widths of the results in ``full``, if the input has ``mesh.accuracy``; otherwise empty.
     accuracy_warning : str
-        Why ``mesh.accuracy`` is not reached, and the elements and memory that it needs; empty if it is reached.
+        Why ``mesh.accuracy`` is not reached, and the elements and memory that would be needed; empty if it is reached.
 
     Examples
     --------

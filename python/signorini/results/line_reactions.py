@@ -263,19 +263,20 @@ class LineReactions(Remade):
     normals : (k, 2) array
         Unit normals of the line, to its right; outward on edges.
     s : (k,) array
-        Length of the support up to each station.
+        Length of the support from its beginning to each station.
     lengths : (k,) array
         Length of the line that each station represents.
     reactions : (k,) array
-        Reaction per length.
+        Reaction per length at each station.
     begins : (k,) bool array
-        Mask of the stations that begin a run, a smooth part of the line that ends before the next begin.
+        Mask of the stations at which a run begins. A run is a smooth part of the line; its last station is the one
+        before the next begin.
     corners : (c, 2) array
         Corners and ends of the line, at which a rigid support without limit has a concentrated force.
     corner_reactions : (c,) array
         Concentrated forces at ``corners``.
     points_s : (p,) array
-        Length of the support up to each of its points.
+        Length of the support from its beginning to each of its points.
 
     Examples
     --------

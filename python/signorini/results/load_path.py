@@ -56,27 +56,30 @@ class LoadPath(States[float]):
     Parameters
     ----------
     start : str or None
-        The load at t = 0; None is no load.
+        Name of the load case or combination at t = 0; None if there is no load at t = 0.
     add : str
-        The load that grows. Both are names of cases or combinations.
+        Name of the load case or combination that is multiplied by t.
     problem : ContactProblem
     stops : tuple of PathStop
-        Stops at t = 0, at every sample, named event and threshold, and at the end.
+        Stops at t = 0, at every sample, named event and threshold, and at the end of the path.
     ending : str
-        Why the path ends: "until": at the t asked for; "no_more_events": no event at any larger t; "no_equilibrium":
-        no reactions balance a larger load; "stopped": no certified answer, ``mesh_limit``, or interruption.
+        Why the path ends. "until": the requested t is reached. "no_more_events": no event occurs at any larger t.
+        "no_equilibrium": no reactions balance a larger load. "stopped": no answer was certified, ``mesh_limit`` was
+        reached, or the user interrupted.
     limit : float
-        The largest t for which reactions balance the load; infinite if there is none.
+        Largest t at which reactions balance the load; infinite if every t has such reactions.
     mesh_limit : float
-        As ``limit``, for reactions at the contact points of this mesh, which are within the supports' outlines.
+        Largest t at which reactions at the contact points of this mesh balance the load. These points are within the
+        supports' outlines.
     certificate : Certificate
         Largest value of each certificate error over all stops.
     support_events : tuple of PathEvent
-        Events of the supports: points open or close; lines and areas begin to, have done so, or pass a quarter.
+        Events of the supports: a point opens or closes; a line or area begins to open or close, has opened or closed,
+        or has a quarter, half or three quarters closed.
     thresholds : tuple of Threshold
-        Thresholds asked for with ``when``, and the t at which they are reached.
+        Thresholds that ``when`` requests, with the t at which each is reached.
     interrupted : bool
-        Whether the path was cut short by the user; its stops are certified.
+        Whether the user interrupted the path; the stops up to there are certified.
     options : mapping
         The arguments of `signorini.path`, by name.
     """

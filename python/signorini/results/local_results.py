@@ -32,7 +32,8 @@ class ProbeResult:
     pressure : float or None
         Contact pressure of area supports, positive up; None without an area support at the point.
     thickness : float
-        Thickness of a solid plate, of the thinner side of a jump; NaN if a stiffness is given instead.
+        Thickness of a solid plate; at a jump, of the thinner side. NaN if the input gives a stiffness in place of a
+        solid section.
     """
 
     at: tuple[float, float]
@@ -125,7 +126,8 @@ class ProfileResult:
         Distance of each station from the beginning of the line.
     at : (k, 2) array
     values : dict of (k,) arrays
-        Every field by name, and the pressure of area supports, positive up; NaN off the plate or the areas.
+        Every field by name, and the pressure of area supports, positive up. Fields are NaN off the plate, the pressure
+        also off the areas.
     """
 
     name: str
@@ -175,13 +177,13 @@ class SectionResult:
     ----------
     name : str
     length : float
-        Length of the line on the plate.
+        Length of the part of the line that is on the plate.
     moment : float
-        Integral of the moment that bends fibres across the line, mnn, positive when it sags.
+        ∫ mnn ds of the moment that bends fibres across the line, positive where the plate sags.
     twist : float
-        Integral of the twisting moment mns, n to the right of the line and s along it.
+        ∫ mns ds of the twisting moment; n points to the right of the line, s along the line.
     shear : float
-        Integral of qn: force on the left part, positive down, equal to the reactions minus the loads on this part.
+        ∫ qn ds: force on the left part, positive down. It equals the reactions minus the loads on this part.
         Loads and reactions on the line itself count half on either side.
 
     Examples
@@ -213,9 +215,9 @@ class StationResult:
     Parameters
     ----------
     at : (x, y)
-        Position on the strip's line.
+        Position of the station on the strip's line.
     width : float
-        Width of the strip at the station, without holes.
+        Width of the strip on the plate at the station; holes are subtracted.
     moment, twist, shear : float
         Means per length of mnn, mns and qn; n is along the strip, s to its left.
     """

@@ -36,29 +36,32 @@ class ResultState(Remade):
     rotation : (n, 2) array
         Slopes θx, θy.
     stress_nodes : StressNodes
-        Stress nodes (s,), at which moments and shears are given, and elements (ne, 8) in their numbers. First are the
-        mesh's nodes; then one more for each further side of a node on a jump of thickness or stiffness.
+        The s nodes at which moments and shears are given, and elements (ne, 8) by numbers of these nodes. The first are
+        the mesh's nodes. A node on a jump of thickness or stiffness has a further stress node for each further side of
+        the jump.
     moment : (s, 3) array
-        mx, my, mxy, sagging positive: means at nodes from the superconvergent points, but not across jumps.
+        mx, my, mxy at stress nodes, sagging positive. Values at superconvergent points of elements are averaged at
+        nodes, but not across jumps.
     shear : (s, 2) array
         qx, qy.
     nodal_reaction : (n,) array
-        Upward force on every node by supports at points, along lines and along edges. Areas have pressures instead;
-        footprints spread their reactions.
+        Upward force on every node by supports at points, along lines and along edges. Area supports are left out, since
+        they have pressures, and so are footprints, which spread their reactions.
     supports, sections, strips : tuple of SupportResult, SectionResult, StripResult
-        Results of supports, forces through sections, mean moments of strips. Each is found by its number from 0 or
-        its name, as ``supports["columns"]``.
+        Results of supports, forces through sections, mean moments of strips. The index is a number from 0 or a name, as
+        in ``supports["columns"]``.
     method : str
-        "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
+        Method that found the answer: "lemke", "active_set" or "saddle"; "given" for reactions passed to
+        `signorini.recover`.
     unsettled : tuple of str
-        Methods that were tried before and gave no certified answer; almost always empty.
+        Methods that were tried before ``method`` and gave no certified answer; almost always empty.
     iterations : int
         Pivots of Lemke's algorithm, or Newton steps of the active set.
     not_unique : tuple of NotUnique
-        Freedoms of the answer, if supports repeat each other or the plate may rest at other positions. Given are the
-        least reactions and then the least deflection. Empty if the answer is unique.
+        How the answer may differ, if supports are redundant or the plate may rest in other positions. The result then
+        has the reactions of least norm and, for these, the deflection of least norm. Empty if the answer is unique.
     warnings : tuple of str
-        Sentences on input or results that are probably not meant.
+        Sentences on input or results that are probably a mistake.
     singular : tuple of Singularity
         Places at which results diverge as the mesh is refined, and the names of these results.
     thickness : (s,) array
@@ -66,12 +69,12 @@ class ResultState(Remade):
     catalogue : Catalogue
         Names, units and paths of ``numbers``.
     combination : Combination or None
-        The load as factors of the model's cases; None if it is another load.
+        The load as factors of the model's load cases; None if the load is not a combination of load cases.
     means : Means or None
-        Means of moments and shears at singular places. None if there is no equilibrium.
+        Means of moments and shears at singular points; None if there is no equilibrium.
     plates : mapping of Result
-        Results of each of several plates by name; contacts with other plates are among its supports. The fields of the
-        whole are those of the plates, concatenated.
+        If there are several plates, the result of each by name; contacts with other plates are among a plate's
+        supports. The fields of this result are then the concatenated fields of the plates.
     """
 
     name: str

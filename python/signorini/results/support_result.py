@@ -126,35 +126,36 @@ class SupportResult(Remade):
     Parameters
     ----------
     name, kind : str
-        Name of the support; text on its place and the direction in which it holds.
+        Name of the support; text that says where the support is and in which direction it acts.
     place : str
         Key of the support's place: "at", "edge", "line", "circle" or "area".
     numbers : mapping of float
         Quantities of the support by their names in results.json: reaction, closed, contact_area and so on.
     positions : (k, 2) array
-        Points of the support; ``reactions``, remaining ``gaps`` and ``closed`` (k,) are theirs. Springs and held nodes
-        are always closed. A point of a rigid or practically rigid area is an element; its position is the centroid of
-        the forces in it.
+        Positions of the support's k points. ``reactions`` (k,) are the points' upward forces, ``gaps`` (k,) their
+        remaining free travels, and ``closed`` (k,) marks closed points. Springs and held nodes are always closed. A
+        point of a rigid or practically rigid area is an element; its position is the centroid of the forces in the
+        element.
     weights : (k,) array
-        Length or area that each point represents; 1 at a point.
+        Length or area that each point represents; 1 for a support at points.
     area : AreaContact or None
-        Contact of an area support as a field.
+        Contact of an area support: pressure, contact area, edge of contact.
     edge : EdgeCouples or None
-        Couples per length of edges that hold the slope.
+        Couples per length, if the support is along edges and holds the slope.
     line : LineReactions or None
-        Reactions per length of edges, lines and circles that act on the deflection.
+        Reactions per length, if the support is along edges, a line or a circle and acts on the deflection.
     yielded : (k,) array
         Mask of the points whose reaction reaches the limit.
     pieces : (k,) array or None
-        Piece of the law of each point, from 0 in the order of travel, if the points have a law or a limit.
+        Piece of its law on which each point is, from 0 in the order of travel; None without a law or a limit.
     moments : (k, 2) array or None
-        Couples on θx and θy that points with a rotational stiffness exert on the plate.
+        Couples on θx and θy that points with a rotational stiffness exert on the plate; None without such a stiffness.
     tightened_to : (k,) array or None
-        Reactions to which bolts were last tightened, negative; 0 for a bolt that was not tightened.
+        Reactions (negative) to which bolts were last tightened; 0 for a bolt that was not tightened.
     preloads : (k,) array or None
         Reactions of bolts when all bolts are tightened and before other loads act.
     upon : bool
-        Whether another plate rests on this one through the support.
+        Whether another plate rests on this plate through the support.
     """
 
     name: str
