@@ -76,11 +76,10 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
-    # `divisions` do not include refined places. If there are such places, the number along a side follows from the
-    # number of elements.
+    # `divisions` do not include refined places; then the number along a side follows from the number of elements.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
-    # Meshes of a refinement to an accuracy are all compared with finer meshes. Otherwise half-widths would jump between
-    # two meshes of which only the second is compared with coarser meshes.
+    # In a refinement to an accuracy, all meshes are compared with finer meshes.
+    # Half-widths would jump if some meshes were compared with finer meshes and others with coarser meshes.
     asked = model.mesh.accuracy is not None
     coarse = along < _LEAST_ALONG or count < _LEAST or asked
     if coarse and 16 * count <= _CHEAP_QUARTER:

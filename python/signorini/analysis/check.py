@@ -49,8 +49,8 @@ class Quality:
         """Measure the angles of a mesh, in degrees, between straight lines from corner to corner of an element."""
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
-        # A triangle repeats its third corner, a degenerate quadrilateral its first. Such an element has a side of
-        # length zero; the next side is used in its place.
+        # A triangle repeats its third corner, a degenerate quadrilateral its first corner.
+        # The repeated corner has a side of length zero; the next side is used in place of this side.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
         onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]

@@ -97,8 +97,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # The stop gets the part in contact after the event, since at the event itself rounding may decide whether a
-            # point is open.
+            # At the event itself rounding may open or close points, so the stop gets the part after the event.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
@@ -144,8 +143,7 @@ def sampled_path(
     try:
         length, ends = _end(sampler, until if isinstance(samples, int) else until or max(samples), whole.last)
         limited = ends == "no_equilibrium"
-        # At the limit of equilibrium the plate can move in every contact state, so the last sample is just before the
-        # limit.
+        # At the limit of equilibrium the plate can move in every contact state: the last sample is before the limit.
         end = length * (1 - AT_LIMIT) if limited else length
         at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
         shown = {*(t for t in at if t < end), end}

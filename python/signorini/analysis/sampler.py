@@ -214,8 +214,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
         for end, value, other in ((low, at_low, below), (high, at_high, above)):
             if other is None or other.t == end.t:
                 continue
-            # The slopes on both sides of a root can differ, if the function is a force on one side and a gap on the
-            # other side.
+            # Slopes on both sides of a root may differ: the function is a force on one side, a gap on the other.
             slope = min(abs(at_high - at_low) / width, abs(value - sampler.value(other, watch)) / abs(end.t - other.t))
             if abs(value) <= slope * tolerance:
                 return end

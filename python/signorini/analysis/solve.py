@@ -126,8 +126,7 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
     seconds |= {"recover": recover, "total": time.perf_counter() - begun}
-    # Without a table the results are complete. The factor is dropped to save memory, since callers may keep many
-    # results.
+    # Without a table the results are complete; the factor is dropped to save memory.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)
 

@@ -111,8 +111,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     outlines = _outlines(discretisation, motions)
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
-        # The limit of a point depends on the length or area that it represents, so the corners of the hull do not
-        # suffice.
+        # A point's limit depends on its length or area, so the corners of the hull do not suffice.
         moves_one_sided = moves[~contacts.two_sided]
         on_mesh = outlines = Bearing(one_sided.positions, moves_one_sided, one_sided.support, least, most)
     regular = null_space(in_stiffness).shape[1] == 0

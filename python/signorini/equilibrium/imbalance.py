@@ -41,7 +41,7 @@ _MOST_HINGES = 4
 _MOST = 1e6
 """Largest limit of a load case, as a multiple of the case's factor. A case with a larger limit counts as unlimited."""
 _ALIKE = 1e-9
-"""Relative difference up to which two limits count as equal."""
+"""Largest relative difference of two limits that count as equal."""
 _OVERLAP = 1e-7
 """Smallest overlap at which rigid supports count as contradictory, relative to the largest gap or settlement."""
 _BRINK = 1e-9
@@ -371,7 +371,7 @@ def _about(discretisation: Discretisation, axis: Axis | None) -> str:
 
 
 def line_in_words(normal: Floats, offset: float, size: float) -> str:
-    """Equation of the line normal · x + offset = 0 on a plate of a size; its larger coefficient is 1.
+    """Text of the line's equation normal · x + offset = 0, with 1 as largest coefficient; ``size`` is the plate's size.
 
     Examples
     --------
@@ -455,8 +455,7 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
     if freedom.outline.limited:
         return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
-    # The first unknown is the least reaction of all points; the other unknowns are the reactions minus this least
-    # reaction.
+    # The first unknown is the least reaction r of all points; the other unknowns are the reactions minus r.
     balance = np.column_stack([one_sided.sum(axis=0), one_sided.T])
     work = work_of(discretisation, freedom, nodal) / total
     cost = np.append(-1.0, np.zeros(len(one_sided)))
@@ -507,9 +506,10 @@ def largest_factor(
         return np.inf
     strengths = np.abs(np.append(bearing.least, bearing.most))
     strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
-    # The linear program has the unknown t/unit. The first unit makes the loads ``rest`` and unit·``case`` equal in size
-    # or, without ``rest``, unit·``case`` equal to the least limit. The unit grows while t exceeds `_MOST` units, up to
-    # the sum of all limits.
+    # The linear program has the unknown t/unit and finds limits up to `_MOST` units.
+    # The first unit makes the loads ``rest`` and unit·``case`` equal in size.
+    # Without ``rest``, the first unit makes unit·``case`` equal in size to the least limit.
+    # The unit grows while t exceeds `_MOST` units, until unit·``case`` reaches the sum of all limits.
     unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
     while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
         most = limits[-1]

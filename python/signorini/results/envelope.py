@@ -147,17 +147,17 @@ class Envelope:
     values: Extremes  # (n,): extremes of every number in the layout's catalogue
     # (f, 4, 2): positions of the extremes of each field and of its means at singular points; then those for each plate
     places: Floats
-    # (2, e, b): reactions of all b bearings in the results with the largest and the smallest value of each of the e
-    # numbers ``layout.governed``
     beside: Floats
+    """(2, e, b): reactions of all b bearings in the results with the largest and the smallest value of each of the e
+    numbers ``layout.governed``."""
     # extremes of each field at every node, by name of the field; "reaction" is the force of the supports on nodes
     fields: dict[str, Extremes]
-    # "contact_pressure" at nodes of elastic areas, "rigid_contact_pressure" on elements of rigid areas: numbers of the
-    # nodes or elements (k,), and the extremes there
     pressures: dict[str, tuple[Ints, Extremes]]
-    # By index of the support in the model: extremes of the pressures of areas at `pressure_places`, or of the reactions
-    # of points along lines.
+    """Numbers (k,) of nodes or elements, and the extremes there: "contact_pressure" at nodes of elastic areas,
+    "rigid_contact_pressure" on elements of rigid areas."""
     along: dict[int, Extremes]
+    """Extremes by index of the support in the model: pressures of areas at `pressure_places`, or reactions of points
+    along lines."""
     on_lines: Extremes  # extremes of reactions per length and concentrated forces of all lines, see `Layout.on_lines`
     open_in: tuple[Ints, ...]  # for each support, the number of results in which each of its points is open
     lifted_in: tuple[Ints, ...]  # for each support, the number of results in which the plate has lifted off each point

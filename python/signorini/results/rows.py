@@ -146,7 +146,7 @@ class Layout:
     probes: Floats  # (q, 2): positions of probes
     nodes: Floats  # (s, 2): positions of stress nodes; the mesh's nodes are the first
     members: tuple[PlateLayout, ...]
-    # (p,): travel of every point of every support in a plate at rest; infinite if the point does not touch it
+    # (p,): travel of every point of every support in a plate at rest; infinite if the point is apart from it
     rest: Floats
 
     @classmethod

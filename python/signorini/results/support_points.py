@@ -23,15 +23,15 @@ class SupportPoints:
     On an area with element means, each point is an element, with all forces in this element.
     """
 
-    # (h,): nodes at which the support holds the deflection. Held nodes and springs are "fixed" points, which are always
-    # closed.
     nodes: Ints
+    """Nodes (h,) at which the support holds the deflection. Held nodes and springs are "fixed" points, which are always
+    closed."""
     springs: Ints  # (s,): numbers of the support's springs
     # (h,): the support's share of the reaction at each held node, equal for all supports that hold the node
     share: Floats
-    # (r, c): numbers of contact points, repeated points included; r = 2 if a point has a row for each direction of
-    # travel
     rows: Ints
+    """Numbers (r, c) of contact points, including repeated points; r = 2 if a point has a row for each direction of
+    travel."""
     direction: Floats  # (r, c): +1 if a row pushes the plate up, −1 if a row holds the plate down
     order: Ints  # (h + s + c,): takes held nodes, springs, contact points to the order of the input
     positions: Floats  # (p, 2): positions of the points in the order of the input

@@ -117,7 +117,7 @@ def idle_cases(model: Model) -> Iterator[str]:
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
     """Warn if the forces of a load sum to zero, or if no force acts and no support is moved."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
-        # With several plates there is no such warning: forces between plates are not loads.
+        # Forces between plates are not loads, so there is no warning for several plates.
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())

@@ -51,7 +51,7 @@ class Beside:
         return len(self.places)
 
     def width_at(self, place: Sequence[float]) -> float:
-        """Width 2r over which means are taken at a point of this table; 0 at any other point."""
+        """Width 2r over which means are taken at a singular point; 0 at any other position."""
         return 2.0 * float(self.within[(self.places == place).all(axis=1)].max(initial=0.0))
 
     def under(self, cases: Collection[str]) -> Bools:

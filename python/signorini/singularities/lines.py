@@ -53,8 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # Reflection at the edge continues a line load normal to it: with the same sign at a free edge, with the opposite
-    # sign at a held edge.
+    # Reflection continues a line load normal to the edge: with equal sign at a free edge, opposite at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
@@ -103,9 +102,9 @@ def ends_of_line(
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle, slopes split into parts even and odd about the line. In each part one slope is 0 on the
-            # line by symmetry. If the line holds the other slope too, both halves of the plate are clamped there for
-            # this part.
+            # At a right angle, slopes split into parts even and odd about the line.
+            # In each part one of the two slopes is 0 on the line by symmetry.
+            # If the line holds the other slope too, both halves of the plate are clamped there for this part.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)

@@ -168,11 +168,9 @@ class _Run:
         self.problem, self.single, self.several = ways
         self.layout, discretisation = layout, self.problem.discretisation
         self.terms: Terms | None = None
-        # Dependent rigid rows hold the same nodes; then the distribution of their forces is not unique in any
-        # combination.
+        # If dependent rigid rows hold the same nodes, the distribution of their forces is never unique.
         self._always = "reactions" if discretisation.held_together else ""
-        # Responses of every contact point are computed only up to this number of points: they must save time and fit
-        # into memory.
+        # Responses of all contact points are computed only if this saves time and if they fit into memory.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
         worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
         if self.several is not None and self.problem.method == "lemke" and worth_while:

@@ -54,7 +54,7 @@ class Sizes(NamedTuple):
     """(2,): largest residual force at a node, with couples divided by the element size; largest error of a held
     deflection, or of a held slope times the plate's size."""
     balance: Floats
-    """(3p,): force and two moments on each of p plates that the supports do not balance."""
+    """(3p,): force and two moments on each of p plates, which the supports do not balance."""
     resultant: Floats
     """(3p,): force and two moments of the load on each plate, excluding self-equilibrated parts."""
     deflection: Floats

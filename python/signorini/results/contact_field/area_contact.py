@@ -53,9 +53,9 @@ class AreaContact(Remade):
     closed: Bools  # (q,): whether each point is in contact
     reactions: Floats  # (q,): upward force of each point
     on_means: bool  # whether the support acts on mean deflections of elements, as rigid and practically rigid areas do
-    # (ne,): elements in which the support is stiffer than the plate. In these, the pressure between points is not
-    # computed from the deflection.
     stiff: Bools
+    """Mask (ne,) of elements in which the support is stiffer than the plate. In these elements the pressure between
+    points is not computed from the deflection."""
     ground: Mesh  # mesh of the elements that are partly on the support, from `ground_of`
 
     _made = MappingProxyType({"ground": lambda area: ground_of(area.mesh, area.elements)})
