@@ -1,4 +1,4 @@
-"""Certified states along a load path, roots of functions of these states, and the last named event."""
+"""Certified states along a load path, roots of their margins, and the t of the last named event."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ _MOST = 64
 _MOST_NUMBERS = 4_000_000
 """Largest number of combinations in one batch, and largest number of values stored for them."""
 _FEWEST = 8
-"""Smallest number of combinations in one batch. They share each pass through the factor."""
+"""Smallest number of combinations in one batch. All combinations of a batch share each pass through the factor."""
 
 
 def solve_several(

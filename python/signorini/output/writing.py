@@ -113,14 +113,14 @@ def write_results(
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, for each solved combination, a ``.vtu`` file and pictures.
 
-    Several combinations also have ``governing.csv``. If combinations are rows of a table, combinations in
-    ``results.full`` have files, and the table is written with, if fields are enveloped, ``envelope.vtu`` and its
-    pictures. A ``table`` that `signorini.solve` wrote on the same file system is moved to the directory.
+    Several combinations also have ``governing.csv``. If combinations are rows of a table, the table is written too, and
+    only combinations in ``results.full`` have files of their own. If fields are enveloped, ``envelope.vtu`` and its
+    pictures are written. A ``table`` that `signorini.solve` wrote on the same file system is moved to the directory.
 
-    All files are written, or none: they are written in a temporary directory beside it and moved when complete. The
-    files of an earlier run are replaced together. Other files are kept; a file of another program with the name of a
-    file to be written raises `InputError`. If several runs write at once, the files are those of the last run. ``draw``
-    draws the pictures; if it is None, this process draws them.
+    All files are written, or none: they are written in a temporary directory and moved when all are complete. The files
+    of an earlier run are replaced together. Other files are kept; a file of another program with the name of a file to
+    be written raises `InputError`. If several runs write at once, the files are those of the last run. ``draw`` draws
+    the pictures; if it is None, this process draws them.
     """
     target = Path(directory)
     named = list(slugs(results))

@@ -101,7 +101,7 @@ class PathStop(Brief):
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """Return the stop with another closed part of support number ``index``, which has ``count`` points."""
+        """Copy of the stop in which support number ``index``, of ``count`` points, has the closed part ``part``."""
         values, closed = self.values.copy(), round(part * count)
         values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
         return replace(self, values=values)

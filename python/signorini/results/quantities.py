@@ -115,7 +115,7 @@ class Quantity:
     """One quantity, such as mx or a reaction: name, kind, key, and the files in which its numbers appear."""
 
     name: str  # name in tables and thresholds, such as "mx"
-    kind: str  # name in `KINDS`
+    kind: str  # name of the kind in `KINDS`
     words: str = ""  # description, with the symbol
     key: Path = ()  # keys and indices below the owner in results.json; if empty, the name
     # name of the vector of which the quantity is a component; components of one vector at one probe change together
@@ -246,7 +246,7 @@ DERIVED = (
 DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
     {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
 )
-"""For each design moment, the sign of the moments that its reinforcement resists."""
+"""Sign of each design moment: +1 for reinforcement at the bottom, −1 at the top."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )

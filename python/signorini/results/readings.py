@@ -105,7 +105,7 @@ class Linear(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """Takes readings from the solutions of one plate."""
+    """Computes the readings of solutions of one plate."""
 
     discretisation: Discretisation
     points: tuple[SupportPoints, ...]

@@ -37,7 +37,7 @@ _SMALLER = 0.5
 wide.
 """
 _STRIP = 4
-"""Smallest number of elements of an area that is a strip; fewer elements are a pad."""
+"""Smallest number of elements of an elastic area that can be a strip; an area of fewer elements is a pad."""
 _INSIDE = 1e-6
 """Smallest depth of a point of one area inside another at which the areas count as overlapping, relative to the plate's
 size.
