@@ -1,4 +1,4 @@
-"""Results as ``results.json`` and as ``reactions.csv``."""
+"""Results as ``results.json`` and ``reactions.csv``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ _COLUMNS = (
     *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
-"""Largest number of points of a singularity that are listed; zone borders that cut elements may have thousands."""
+"""Largest number of points of a singularity that results.json lists. Borders of zones that cut elements may have
+thousands of points.
+"""
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
@@ -72,8 +74,8 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Return the reactions as comma-separated values.
 
-    Each combination and support has a row with the ``point`` "total". Supports other than areas also have a row for
-    each point or node, with the reaction per length if it is a line. Names that a spreadsheet would compute begin with
+    Each combination and support has a row with the ``point`` "total". Each point or node of points, edges and lines
+    also has a row, with the reaction per length on edges and lines. Names that a spreadsheet would compute begin with
     an apostrophe.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
@@ -110,12 +112,12 @@ def _group(results: Results, estimates: Estimates | None, name: str, combination
 
 
 def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
-    """Return the value of the key "snapped": the object moved, and its positions before and after."""
+    """Return the value of the key "snapped": each moved object, and its positions before and after."""
     return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
 def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str, Any]]:
-    """Return the value of the key "singular" of a combination."""
+    """Return the value of the key "singular" of a combination: its singularities."""
     return [
         {
             "where": [list(at) for at in (one.where if one.line else one.where[:_MOST_PLACES])],
@@ -136,7 +138,7 @@ def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str
 
 
 def _means(one: Singularity, result: Result) -> Iterator[dict[str, Any]]:
-    """Yield the means at each listed place of a singularity; lines and nodes of elements have none."""
+    """Yield the means at each listed place of a singularity; singular lines and nodes of elements have no means."""
     by_place = {} if one.line or one.limited or result.means is None else result.means.by_place
     for at in one.where[:_MOST_PLACES]:
         if (mean := by_place.get(at)) is not None:
@@ -168,7 +170,7 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
 
 
 def _along(support: SupportResult, line: LineReactions, widths: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return for each point of a line its arc length s and the reaction per length, and at corners the force."""
+    """Return for each point of a line its arc length s, reaction per length and, at corners, concentrated force."""
     per_length = np.interp(line.points_s, line.s, line.reactions)
     pairs = zip(line.points_s.tolist(), per_length.tolist(), strict=True)
     points: list[dict[str, Any]] = [{"s": s, "reaction_per_length": value} for s, value in pairs]

@@ -113,13 +113,14 @@ def write_results(
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, for each solved combination, a ``.vtu`` file and pictures.
 
-    Several combinations also have ``governing.csv``. If combinations are rows of a table, the files are those of the
-    combinations in ``results``, with the table and, if fields are enveloped, ``envelope.vtu`` and its pictures. A
-    ``table`` written by `signorini.solve` on the same file system is moved there.
+    Several combinations also have ``governing.csv``. If combinations are rows of a table, the table is written too, and
+    only combinations in ``results.full`` have files of their own. If fields are enveloped, ``envelope.vtu`` and its
+    pictures are written. A ``table`` that `signorini.solve` wrote on the same file system is moved to the directory.
 
-    All files are written, or none: they are written in a directory beside and moved when complete. The files of an
-    earlier run are replaced as a set. Other files stay, but a file of another program with a name to be written is
-    refused. After several runs at once the files are those of the last one. ``draw`` draws the pictures; None: here.
+    All files are written, or none: they are written in a temporary directory and moved when all are complete. The files
+    of an earlier run are replaced together. Other files are kept; a file of another program with the name of a file to
+    be written raises `InputError`. If several runs write at once, the files are those of the last run. ``draw`` draws
+    the pictures; if it is None, this process draws them.
     """
     target = Path(directory)
     named = list(slugs(results))
@@ -159,14 +160,14 @@ def write_results(
 
 
 def _drawn(jobs: Sequence[Job]) -> Iterable[tuple[str, bytes]]:
-    # Only pictures need matplotlib.
+    # matplotlib is imported only for pictures.
     from signorini.plot.pictures import drawn
 
     return chain.from_iterable(map(drawn, jobs))
 
 
 def _write_table(results: Results, estimates: Estimates | None, path: Path) -> None:
-    # Only tables need pyarrow.
+    # pyarrow is imported only for tables.
     from signorini.formats.parquet import writing
 
     widths = {} if estimates is None else estimates.table
