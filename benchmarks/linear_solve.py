@@ -58,7 +58,7 @@ from processes import peak_mb, run
 
 
 def clamped_plate(elements):
-    """Clamped square, h/a = 0.01."""
+    """Model of a clamped square plate with h/a = 0.01."""
     from signorini import Model
     from signorini.discretise import discretise
 
@@ -98,7 +98,7 @@ def ours(elements, folder):
 
 
 def product_rate(order=2000, repeat=5):
-    """Flops per second of NumPy's matrix product, the best of several runs."""
+    """Rate of NumPy's matrix product, the best of several runs [flop/s]."""
     matrix = np.random.default_rng(0).random((order, order))
     seconds = []
     for _ in range(repeat):

@@ -48,14 +48,14 @@ class Compared(NamedTuple):
     reaction: dict[str, float]
 
     def agrees(self, method: str) -> bool:
-        """Whether a method's answer is certified and equals the others, or no method finds an equilibrium."""
+        """Whether this method's answer is certified and equals the others, or no method finds an equilibrium."""
         if set(self.status.values()) == {"no_equilibrium"}:
             return True
         return self.status[method] == "certified" and max(self.deflection[method], self.reaction[method]) <= TOLERANCE
 
 
 def tables(plate: int) -> Tables:
-    """Model of a plate number as the tables of an input file, without the solver's method."""
+    """Input tables of the plate with this number, without the solver's method."""
     rng = np.random.default_rng([20, plate])
     while True:
         drawn = draw(rng)
@@ -69,7 +69,7 @@ def tables(plate: int) -> Tables:
 
 
 def draw(rng: np.random.Generator) -> Tables:
-    """Draw a plate on one-sided supports of every kind, and its loads."""
+    """Draw the input tables of a plate with one-sided supports of every kind and loads."""
     metre, newton = rng.choice([1.0, 1e3]), rng.choice([1.0, 1e-6])
     span = metre * 10 ** rng.uniform(-0.5, 1.5)
     thickness = span * 10 ** rng.uniform(np.log10(0.003), np.log10(0.3))
@@ -133,7 +133,7 @@ def _circle(center: list[float], radius: float) -> Tables:
 
 
 def compare(plate: int) -> Compared:
-    """Solve one plate by every method."""
+    """Solve the plate with this number by every method."""
     drawn = tables(plate)
     status, seconds, work = {}, {}, {}
     deflection, reaction = dict.fromkeys(METHODS, 0.0), dict.fromkeys(METHODS, 0.0)
@@ -160,7 +160,10 @@ def compare(plate: int) -> Compared:
 
 
 def unique(problem: ContactProblem, answer: Answer, length: float) -> tuple[bool, bool]:
-    """Whether deflections are unique (closed points leave no rigid motion), and reactions (independent rows)."""
+    """Whether deflections are unique, and whether reactions are unique.
+
+    Deflections are unique if closed points leave no rigid motion, reactions if rows are independent.
+    """
     found, reaction, gap = problem.discretisation, answer.reaction, answer.gap
     flat = found.contacts.flat_on(answer.piece)
     pressed = found.contacts.two_sided | (~flat & (np.abs(reaction) > 1e-7 * np.abs(reaction).max(initial=0.0)))
@@ -201,7 +204,7 @@ def report(plates: Iterable[Compared]) -> bool:
 
 
 def main() -> int:
-    """Compare a number of plates."""
+    """Compare the methods on as many plates as asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--plates", type=int, default=500, help="how many plates (default 500)")
     parser.add_argument("--first", type=int, default=0, help="number of the first plate (default 0)")

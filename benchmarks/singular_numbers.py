@@ -42,14 +42,14 @@ from signorini.accuracy.half_width import (
 )
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
-"""Factors of element size, the finest first; the finest mesh is solved only if the others show growth."""
+"""Factors of the element size, the finest mesh first. The finest mesh is solved only if the others show growth."""
 _TOO_LONG = 60
 _FEW = (4, 5)
-"""Range of the number of elements along a side for plates that test the script."""
+"""Smallest and largest number of elements along a side if only the script is tested."""
 
 
 class Late(BaseException):
-    """A plate exceeded its time."""
+    """The time for a plate is over."""
 
 
 def _late(number, frame):
@@ -81,7 +81,7 @@ def _solved(model, factor):
 
 
 def growing(results):
-    """Unreported numbers that grow on all steps between meshes, each of twice the element size of the previous."""
+    """Unreported numbers that grow from each mesh to the next, which has half the element size."""
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
     numbers, largest = own.catalogue.numbers, sizes_of(own.numbers[:, None], own.catalogue.numbers, own.model, own.mesh)
@@ -112,7 +112,7 @@ def growing(results):
 
 
 def _thinnest(result):
-    """Smallest thickness of a solid plate with an equally wide boundary layer."""
+    """Thickness of the thinnest solid plate that has a boundary layer as wide as this plate's."""
     solid, rigidities, which = sections_at(result.model, result.mesh.points)
     widths = np.array([math.sqrt(10.0 * one.in_twist / np.linalg.eigvalsh(one.shear).max()) for one in rigidities])
     return (solid * widths[which]).min()
