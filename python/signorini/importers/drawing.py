@@ -191,7 +191,7 @@ class Loop:
 
     @cached_property
     def sides_drawn(self) -> Targets:
-        """Straight sides and arcs of the line, from which distances are measured."""
+        """Straight sides and arcs of the line, for the computation of distances."""
         if self.radius:
             return Targets.of(arcs=[(*self.corners[0][:2], self.radius, 0.0, math.tau)])
         return Targets.on((a[:2], through(a, b) if a.bulge else None, b[:2]) for a, b in self)

@@ -120,7 +120,7 @@ class _Said:
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
         """Add a message about shapes that were not imported; ``why`` is the reason.
 
-        ``what`` is the part of the shapes that was not imported, by default the whole shapes.
+        If only a part of the shapes was not imported, ``what`` names this part.
         """
         for line in _line(role, places, why):
             self.left.append(line)

@@ -239,7 +239,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
             if kept and corner.is_at(kept[-1]):
-                # Of two coincident points keep the first, with the bulge of the second, at which the next side begins.
+                # Merge coincident points: the bulge is that of the second point, at which the next side begins.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)

@@ -52,7 +52,7 @@ def real_sides(elements: Ints) -> Bools:
 def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
     """Shape functions (q, 8) and their gradients ∂N/∂ξ (q, 8, 2) at reference points (q, 2).
 
-    ``triangles`` (q,) tells which points are in triangles; the others are in quadrilaterals.
+    ``triangles`` (q,) is the mask of points in triangles; the others are in quadrilaterals.
     """
     if not triangles.any():
         return serendipity(xi)

@@ -176,7 +176,7 @@ class Mesh(Remade):
 
     @property
     def near(self) -> Tolerances:
-        """Distances below which points of this mesh count as equal."""
+        """Largest distances of points of this mesh that count as equal."""
         return Tolerances(self.diameter)
 
     @cached_property

@@ -166,7 +166,7 @@ _MISSED = 1e-4
 
 
 def holes(points: Floats, boundary: Ints) -> tuple[Floats, ...]:
-    """Polygon (k, 2) of each hole, with so many points on curved sides that its area is accurate.
+    """Polygon (k, 2) of each hole, with enough points on curved sides for an accurate area.
 
     ``boundary`` (k, 3) are the boundary sides with the plate on their left, loop after loop: clockwise around holes.
     """

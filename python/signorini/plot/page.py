@@ -62,7 +62,7 @@ class Page:
                 axis.set_label_text(f"{name}{unit}", fontsize=9)
             put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
             put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
-            # Of plans side by side, only the first has numbers on the y axis.
+            # If plans are side by side, only the first has numbers on the y axis.
             axes.yaxis.set_visible(place % self._columns == 0)
         self._place()
 

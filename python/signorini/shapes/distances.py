@@ -24,7 +24,7 @@ def distances(points: Floats, begin: Floats, end: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Points (c, 2), straight sides (k, 2, 2) and arcs (m, 5) from which distances are measured.
+    """Points (c, 2), straight sides (k, 2, 2) and arcs (m, 5), to which distances are computed.
 
     An arc is its centre x, y, its radius, the angle of its first end, and the angle swept.
 

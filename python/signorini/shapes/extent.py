@@ -1,4 +1,4 @@
-"""Convex hull and diameter of points; distances below which points of a plate count as equal."""
+"""Convex hull and diameter of points; largest distances of points of a plate that count as equal."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def diameter(points: Floats) -> float:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Distances below which points of a plate with diameter ``extent`` count as equal.
+    """Largest distances of points that count as equal, on a plate with diameter ``extent``.
 
     ``thickness`` is the plate's thickness, at one point or at several (q,); 0 if `apart` is not used.
     """
