@@ -85,7 +85,7 @@ class InputError(SignoriniError, ValueError):
 
 
 class Problems:
-    """Collects input errors, so that one error reports all problems.
+    """Collects input errors and raises them as one error that reports all problems.
 
     Only the first problem at each place is kept, because later problems there follow from the first. Problems without a
     place get the place "plate".
@@ -96,7 +96,7 @@ class Problems:
 
     @contextmanager
     def collected(self) -> Iterator[None]:
-        """Context that collects an InputError raised within it."""
+        """Context that collects an InputError raised within the context."""
         try:
             yield
         except InputError as error:
@@ -111,17 +111,17 @@ class Problems:
 
 
 class UnknownNameError(InputError, KeyError):
-    """A mapping has no item of this name."""
+    """Raised if a mapping, such as the results by combination, has no item of the given name."""
 
 
 class NoEquilibriumError(SignoriniError):
-    """The supports cannot hold the load: no admissible reactions balance it."""
+    """Raised if the supports cannot hold the load: no reactions of the allowed signs and sizes balance it."""
 
     exit_code = 3
 
 
 class NotCertifiedError(SignoriniError):
-    """No method gave a solution that passes the certificate."""
+    """Raised if no method gives a solution that passes the certificate."""
 
     exit_code = 4
 

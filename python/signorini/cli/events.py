@@ -1,4 +1,4 @@
-"""The table of a load path's events."""
+"""Print the events of a load path as a table."""
 
 from __future__ import annotations
 

@@ -53,13 +53,13 @@ class Column:
     """Title of a table's column, and how it is printed."""
 
     title: str
-    number: bool = False  # numbers: right-aligned, never wrapped
-    spare: bool = False  # dropped if the console is too narrow
-    coded: bool = False  # cut at the first colon if the console is too narrow
+    number: bool = False  # whether cells are numbers: right-aligned, never wrapped
+    spare: bool = False  # whether the column may be dropped if the console is too narrow
+    coded: bool = False  # whether cells are cut at the first colon if the console is too narrow
 
 
 def numbers(*titles: str) -> list[Column]:
-    """Return columns of numbers with these titles."""
+    """Return columns of numbers with the given titles."""
     return [Column(title, number=True) for title in titles]
 
 
@@ -74,11 +74,11 @@ class Grid:
     columns: Sequence[Column]
     heads: int = 1
     rows: list[list[Text]] = field(default_factory=list)
-    last_apart: bool = False  # whether a line separates the last row
-    unknown: str = ""  # text below a table in which a half-width is unknown
+    last_apart: bool = False  # whether a line is drawn above the last row
+    unknown: str = ""  # text printed below a table in which a half-width is unknown
 
     def add(self, *cells: Cell) -> None:
-        """Append a row with these cells."""
+        """Append a row that consists of these cells."""
         self.rows.append([_glued(cell) for cell in cells])
 
     def show(self, console: Console, apart: bool = False) -> None:

@@ -94,7 +94,7 @@ def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Ite
 
 
 def kind_of(singularity: Singularity) -> str:
-    """The description of a singularity without its positions."""
+    """The description of a singularity without the positions at its end."""
     return _PLACES.sub("", singularity.what)
 
 

@@ -94,7 +94,7 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
 
 
 def _print_refinement(console: Console, results: Results) -> None:
-    """Print the meshes that were refined until ``mesh.accuracy`` was reached."""
+    """Print elements, dofs and largest half-width of each mesh solved for ``mesh.accuracy``."""
     if not results.refinement:
         return
     shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")])

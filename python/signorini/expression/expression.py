@@ -59,7 +59,7 @@ class Expression:
     _tree: ast.expr = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Parse the source, and evaluate its constant parts once."""
+        """Parse the text, and evaluate its constant parts once."""
         if isinstance(self.source, str):
             tree = parse(self.source)
         elif isinstance(self.source, Real) and not isinstance(self.source, bool):
@@ -117,5 +117,5 @@ class Expression:
         return values
 
     def __str__(self) -> str:
-        """Return the formula or number as text."""
+        """Return the text of the expression."""
         return str(self.source)

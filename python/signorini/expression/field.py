@@ -62,7 +62,7 @@ class Field:
     levels: ClassVar[tuple[Level, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Check the points, if the field has points."""
+        """Check the points, if the field is given by points."""
         if callable(self.given):
             return
         points, values = self._table[:, :2], self._table[:, 2]
@@ -123,7 +123,7 @@ class Field:
         return values
 
     def __str__(self) -> str:
-        """Return the name of the file or function."""
+        """Return the name of the CSV file or of the function."""
         return self.file or getattr(self.given, "__name__", "The table")
 
     def _values(self, positions: _Array, place: str | Place) -> _Array:
@@ -215,7 +215,7 @@ class PointValues:
 
     @property
     def source(self) -> list[float]:
-        """The list of values, as in the input."""
+        """The list of values as in the input."""
         return list(self.values)
 
     def __call__(

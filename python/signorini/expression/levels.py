@@ -130,7 +130,7 @@ class Drawing:
     circles: tuple[tuple[float, float, float], ...] = ()
 
     def radii(self, center: tuple[float, float]) -> tuple[float, ...]:
-        """Radii of the circles with this center."""
+        """Radii of those circles that have this center."""
         return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def __add__(self, other: Drawing) -> Drawing:

@@ -197,5 +197,5 @@ def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
 
 
 def short(text: str) -> str:
-    """Shorten a long text for a message."""
+    """Cut a text for a message after 57 characters, if it has more than 60."""
     return text if len(text) <= 60 else text[:57] + "..."

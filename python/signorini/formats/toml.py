@@ -37,7 +37,7 @@ class Lines:
         self._position = 0
         self._lines: dict[Path, int] = {(): 1}
         self._counts: dict[Path, int] = {}
-        with contextlib.suppress(RecursionError):  # keys nested too deeply get the line of their table
+        with contextlib.suppress(RecursionError):  # too deeply nested keys get the line of their table
             self._read_document()
 
     def of(self, path: Path) -> int:

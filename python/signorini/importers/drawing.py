@@ -75,7 +75,7 @@ class Loop:
 
     @property
     def area(self) -> float:
-        """Enclosed area [m²], positive in either orientation."""
+        """Enclosed area [m²], positive for either orientation of the line."""
         total = math.pi * self.radius**2
         origin = self.corners[0]
         for a, b in self:
@@ -155,7 +155,7 @@ class Loop:
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:
-        """Corners [m], and points of arcs at most 4° apart."""
+        """Corners [m] of the line, and points of its arcs at most 4° apart."""
         return self.chords(_FINE)
 
     def chords(self, turn: float) -> list[tuple[float, float]]:
@@ -215,12 +215,12 @@ class Loop:
 
 
 def place(xy: tuple[float, float]) -> str:
-    """Write a point [m] for a message."""
+    """Write a point [m] as "[x, y]" for a message."""
     return point(xy, size=1.0)
 
 
 def about(places: Sequence[tuple[float, float]]) -> str:
-    """Write ", at" and the first three points for a message."""
+    """Write the first three points of a list for a message: ", at [x, y], ..."."""
     more = ", …" if len(places) > _MAX_PLACES else ""
     return f", at {', '.join(map(place, places[:_MAX_PLACES]))}{more}"
 
@@ -364,10 +364,10 @@ class Drawing:
     points: dict[Footprint, list[tuple[float, float]]]
     """Positions (x, y) [m] of point supports, by the size of their footprints."""
     lines: tuple[tuple[Corner, ...], ...]
-    """Open lines, straight or with arcs."""
+    """Open lines with straight sides and arcs, which become supports."""
     took: tuple[str, ...]
     left: tuple[str, ...]
-    """Messages about shapes that were not imported."""
+    """Messages about shapes of the drawing that were not imported."""
     lost: tuple[Lost, ...] = ()
     """Numbers of shapes that were not imported, with their messages."""
 

@@ -195,7 +195,7 @@ def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
 
 
 def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, ...]]]:
-    """Groups of open lines that are connected through common ends."""
+    """Groups of open lines that are connected to each other by common ends."""
     groups: list[list[tuple[Corner, ...]]] = []
     for line in lines:
         ends = line[0], line[-1]

@@ -86,7 +86,7 @@ def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float
 
 
 def _line(edge: Any, ends: Any) -> Any:
-    """Copy of a straight edge with other end points (2, 2)."""
+    """Copy of a straight edge with the end points ``ends`` (2, 2)."""
     from ezdxf import edgesmith
     from ezdxf.entities.line import Line
 
@@ -123,7 +123,7 @@ class Layer:
 
     @property
     def places(self) -> list[list[tuple[float, float]]]:
-        """For each shape a list of its points (x, y) [m]."""
+        """List of the points (x, y) [m] of each shape."""
         lines = [[corner[:2] for corner in line] for line in self.lines]
         return (
             [[*loop.points] for loop in (*self.loops, *self.fills, *self.slivers)]
@@ -268,7 +268,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
     edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
-    # ezdxf returns the chains in random order, that of a set.
+    # ezdxf returns the chains in the random order of a set, so sort them.
     for linked in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
         polyline = edgesmith.polyline2d_from_chain(linked, max_sagitta=sagitta)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in polyline.vertices)

@@ -102,7 +102,7 @@ def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
-    """Drop the z coordinate of points; it must be constant."""
+    """Check that z is constant and return the points (n, 2) without it."""
     nodes = np.unique(elements)
     used = points[nodes]
     finite = np.isfinite(used).all(axis=1)

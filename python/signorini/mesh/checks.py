@@ -20,7 +20,7 @@ _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _
 _COINCIDENT = 1e-9
 """Largest distance from a side of a node that counts as on it, relative to the mesh's size."""
 _STRAIGHT = 1e-9
-"""Largest ratio of rise to chord of a straight side."""
+"""Largest ratio of rise to chord of an element side that counts as straight."""
 _CHORDS = 32
 """Number of chords that approximate a curved side; they deviate from the side by a thousandth of its rise."""
 _TOGETHER = 1 << 18
@@ -37,9 +37,9 @@ def _name_node(points: Floats, index: int) -> str:
 
 
 def check_numbers(points: Floats, elements: Ints) -> None:
-    """Check array shapes, finite coordinates and node numbers.
+    """Check array shapes, finite coordinates and node numbers of a mesh.
 
-    The numbers must be in range, different within an element, and every node must be used.
+    The numbers must be in range and different within an element, and every node must be used.
     """
     if points.ndim != 2 or points.shape[1] != 2:
         raise InputError(f"A mesh's points must have shape (n, 2); found {points.shape}.")

@@ -54,7 +54,7 @@ class Location(Brief):
 
     @property
     def inside(self) -> Bools:
-        """Mask (q,) of the points in the mesh."""
+        """Mask (q,) of the points that are in the mesh."""
         return np.asarray(self.elements >= 0)
 
 
@@ -161,12 +161,12 @@ class Mesh(Remade):
 
     @property
     def node_count(self) -> int:
-        """Number of nodes."""
+        """Number of nodes of the mesh."""
         return len(self.points)
 
     @cached_property
     def size(self) -> float:
-        """Length of the longer side of the bounding box."""
+        """Length of the longer side of the mesh's bounding box."""
         return float(np.ptp(self.points, axis=0).max())
 
     @cached_property
@@ -181,7 +181,7 @@ class Mesh(Remade):
 
     @cached_property
     def middle(self) -> Floats:
-        """Center (2,) of the bounding box."""
+        """Center (2,) of the bounding box of the mesh."""
         return np.asarray(0.5 * (self.points.min(axis=0) + self.points.max(axis=0)))
 
     @cached_property

@@ -29,11 +29,11 @@ class Artist:
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
-        """Return the artist."""
+        """Return this object, for a with statement."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """End the processes."""
+        """End all drawing processes."""
         for process in self._processes:
             process.kill()
         if self._pool is not None:

@@ -70,7 +70,7 @@ def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
 
 
 def legend_words(marks: Sequence[SupportMark]) -> list[str]:
-    """Texts that the supports have in the legend."""
+    """Legend texts of supports."""
     return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 
@@ -246,7 +246,7 @@ def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]
 
 
 def _runs(chosen: Bools) -> list[tuple[int, int]]:
-    """First and last index of every run of True."""
+    """First and last index of every run of True in a mask."""
     steps = np.diff(np.concatenate([[False], chosen, [False]]).astype(int))
     return list(zip(np.flatnonzero(steps > 0).tolist(), (np.flatnonzero(steps < 0) - 1).tolist(), strict=True))
 

@@ -45,7 +45,7 @@ class SupportMark:
     words: str = ""  # description in the legend; by default that of ``kind``
     counts: tuple[int, int] | None = None  # numbers of closed and open points; by default counted in ``closed``
     footprints: Floats = field(default_factory=_no_points)  # (k, 2): outlines of the footprints of points
-    numbers: Sequence[str] = ()  # label of each point
+    numbers: Sequence[str] = ()  # label of each point of the support
 
     @property
     def label(self) -> str:
@@ -67,7 +67,7 @@ class LoadMark:
     style: Style = "points"
     upward: bool = False
     couple: tuple[float, float] | None = None
-    value: str = ""  # text of the value with its unit
+    value: str = ""  # text of the load's value with its unit
     footprints: Floats = field(default_factory=_no_points)
 
     @property
@@ -150,7 +150,7 @@ class Panel:
 
     values: Floats | Sequence[PressureLayer]
     limits: tuple[float, float]  # smallest and largest coloured value; for pressures the range includes 0
-    label: str = ""  # label of the colour bar
+    label: str = ""  # text beside the colour bar
     colours: str = "RdBu"  # name of a diverging colour map of matplotlib
     extremes: Sequence[tuple[str, Sequence[float]]] = ()  # label and point of each marked extreme
     title: str = ""

@@ -1,4 +1,4 @@
-"""Whole figures: fields of results, and models before they are solved."""
+"""Draw whole figures: fields of results, and models before they are solved."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         remarks = [*(words for words, _ in _remarks(plan)), *excluded]
         page.make_room(picture.title, [*legend_words(picture.marks), *remarks])
     page.figure.set_dpi(DOTS)
-    canvas: Any = page.canvas  # matplotlib has no types for its methods
+    canvas: Any = page.canvas  # matplotlib has no types for the methods of a canvas
     canvas.draw()
     shared = canvas.copy_from_bbox(page.figure.bbox)
     before = set(map(id, page.artists()))
@@ -266,7 +266,7 @@ def check_picture(
 
 
 def _number_nodes(axes: Axes, plan: Plan) -> None:
-    """Write the node numbers, as large as the element size allows."""
+    """Write the number of each node, as large as the element size allows."""
     side = float(np.hypot(*(plan.nodes[plan.cells[:, 4]] - plan.nodes[plan.cells[:, 0]]).T).min())
     size = float(np.clip(0.35 * side * inches_per_unit(axes) * 72, _SMALLEST_NUMBER, 8.0))
     halo = [withStroke(linewidth=0.3 * size, foreground="white")]

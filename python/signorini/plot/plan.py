@@ -42,10 +42,10 @@ _MARGIN = 0.04
 class Plan:
     """A mesh in plan, with the triangles, edges and outline that all pictures use."""
 
-    nodes: Floats  # (n, 2): positions
+    nodes: Floats  # (n, 2): positions of the nodes
     cells: NDArray[np.int64]  # (e, 8): node numbers of the elements
     left_out: NDArray[np.bool_] | None = None  # (e,): elements to hatch, without a field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): points that the window also includes
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points in the drawn window
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -82,13 +82,13 @@ def triangulation(cut: Tessellation, nodes: Floats) -> Triangulation:
     """Convert triangles and node positions (n, 2) to a triangulation of matplotlib."""
     x, y = cut.interpolate(nodes).T
     made = Triangulation(x, y, cut.triangles)
-    # Otherwise matplotlib would check the triangles for each picture.
+    # Without this line matplotlib would check the triangles for each picture.
     made.is_delaunay = False
     return made
 
 
 def literal(text: str) -> str:
-    """Escape dollar signs, with which formulas of matplotlib begin."""
+    """Escape the dollar signs of a text, with which formulas of matplotlib begin."""
     return text.replace("$", r"\$")
 
 
@@ -119,7 +119,7 @@ def draw_sheet(axes: Axes, plan: Plan, colour: str = _SHEET) -> Path:
 
 
 def draw_mesh(axes: Axes, plan: Plan) -> None:
-    """Draw element edges, fainter in finer meshes."""
+    """Draw the edges of elements, fainter in finer meshes."""
     fade = 0.3 * min(1.0, (900 / len(plan.cells)) ** 0.5)
     if fade > _FAINTEST:
         look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.5, "alpha": fade}
@@ -229,7 +229,7 @@ class Labels:
     marks: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Measure the axes in points."""
+        """Compute scale and size of the axes in points."""
         self.scale = 72.0 * inches_per_unit(self.axes)
         (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
         self._corner = np.array([left, low])

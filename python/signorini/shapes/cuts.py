@@ -51,7 +51,7 @@ class CutLine:
         self.lengths: Floats = np.hypot(*pieces.T)
         self.along: Floats = pieces / self.lengths[:, None]
         self.normals: Floats = np.column_stack([self.along[:, 1], -self.along[:, 0]])
-        """Unit normals (p, 2) of the segments, to their right."""
+        """Unit normals (p, 2) of the p segments, pointing to the right."""
         self._onward = [straight if way is None else way for way, straight in zip(ways, self._straight, strict=True)]
         self._whole = None if ways[0] is None and ways[1] is None else CutLine(self._extended(1.0), touching)
 

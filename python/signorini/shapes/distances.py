@@ -72,7 +72,7 @@ class Targets:
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:
-        """Concatenate several targets."""
+        """Join several targets in one."""
         none = cls.of()
         return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 

@@ -47,7 +47,7 @@ class Drawn(ABC):
     @property
     @abstractmethod
     def outline(self) -> Outline:
-        """Segments, circles and arcs that draw the shape."""
+        """Segments, circles and arcs of which the shape's outline consists."""
 
     @property
     def x_lines(self) -> tuple[float, ...]:
@@ -102,7 +102,7 @@ class Round(Drawn):
 
     @property
     def bounds(self) -> Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the circle."""
         (x, y), r = self.center, self.radius
         return (x - r, y - r, x + r, y + r)
 
@@ -145,7 +145,7 @@ class Contour:
 
     @property
     def edges(self) -> dict[str, list[int]]:
-        """Numbers of the sides with each name, including ``whole``."""
+        """Indices of the sides that have each name, including the name ``whole``."""
         result: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
         for side, name in enumerate(self.names):
             result.setdefault(name, []).append(side)

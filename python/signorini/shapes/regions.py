@@ -49,12 +49,12 @@ class Rectangle(outlines.Straight):
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area of the rectangle."""
         return (self.x1 - self.x0) * (self.y1 - self.y0)
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax: the rectangle itself."""
         return (self.x0, self.y0, self.x1, self.y1)
 
     def contains(self, points: Floats) -> Bools:
@@ -69,7 +69,7 @@ class Circle(outlines.Round):
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area of the disc."""
         return math.pi * self.radius**2
 
     @property
@@ -97,23 +97,23 @@ class Polygon(outlines.Straight):
     points: tuple[outlines.Point, ...]
 
     def __post_init__(self) -> None:
-        """Refuse an outline that crosses itself."""
+        """Refuse a polygon whose sides cross or touch."""
         _require_simple(self.outline.segments)
 
     @property
     def outline(self) -> outlines.Outline:
-        """The sides in the order of the corners."""
+        """The sides of the polygon, in the order of its corners."""
         return outlines.Outline(segments=outlines.closed(self.points))
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area inside the polygon, in either orientation."""
         local = np.array(self.points) - self.points[0]
         return float(0.5 * abs(np.sum(_cross(local, np.roll(local, -1, axis=0)))))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the polygon."""
         return outlines.bounds_of(self.points)
 
     def contains(self, points: Floats) -> Bools:
@@ -162,14 +162,14 @@ class Rounded(outlines.Straight):
 
     @cached_property
     def area(self) -> float:
-        """Area."""
+        """Area inside the outline, in either orientation."""
         corners = np.array(self.contour.corners) - self.contour.corners[0]
         total = float(np.sum(_cross(corners, np.roll(corners, -1, axis=0))))
         return 0.5 * abs(total + sum(radius**2 * (sweep - math.sin(sweep)) for _, radius, _, sweep in self._arcs))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the region, arcs included."""
         return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
 
     def contains(self, points: Floats) -> Bools:
@@ -198,7 +198,7 @@ class Rounded(outlines.Straight):
 
     @cached_property
     def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
-        """Parts of arcs on which y rises or falls.
+        """Parts of arcs on which y only rises or only falls.
 
         Each is its centre, radius, y of both ends, and 1 if it is to the right of the centre or −1 if to the left.
         """
@@ -218,7 +218,7 @@ class Rounded(outlines.Straight):
 
 @dataclass(frozen=True)
 class Polyline(outlines.Straight):
-    """Straight segments from each point to the next."""
+    """A line that consists of straight segments from each point to the next."""
 
     points: tuple[outlines.Point, ...]
 
@@ -229,27 +229,27 @@ class Polyline(outlines.Straight):
 
     @property
     def outline(self) -> outlines.Outline:
-        """The segments in the order of the points."""
+        """The segments of the line, in the order of its points."""
         return outlines.Outline(np.array(list(pairwise(self.points))))
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the line."""
         return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the points."""
         return outlines.bounds_of(self.points)
 
 
 @dataclass(frozen=True)
 class Ring(outlines.Round):
-    """The circumference of a circle."""
+    """The circumference of a circle, on which a support or load acts."""
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the circumference."""
         return 2.0 * math.pi * self.radius
 
     @property
@@ -308,7 +308,7 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
         return piece, (piece + 1) % count
     sides = np.asarray(shapely.linestrings(segments))
     i, j = shapely.STRtree(sides).query(sides, "dwithin", _TOUCHING * size)
-    # Each pair once, but not neighbours, which share a point.
+    # Each pair of segments once, but not neighbours, which share a point.
     apart = (j > i + 1) & ((i > 0) | (j < count - 1) | (not closed))
     return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
 
@@ -320,7 +320,7 @@ def meet(one: Floats, other: Floats, within: float) -> bool:
 
 @dataclass(frozen=True)
 class Hollow(outlines.Drawn):
-    """A region with holes.
+    """A region with holes, each a region without holes.
 
     Holes that extend outside the region ``around``, or that overlap each other, are refused.
     """
@@ -367,12 +367,12 @@ class Hollow(outlines.Drawn):
 
     @cached_property
     def area(self) -> float:
-        """Area without the holes."""
+        """Area of the outer region less the areas of the holes."""
         return self.around.area - sum(hole.area for hole in self.holes)
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the outer region."""
         return self.around.bounds
 
     def contains(self, points: Floats) -> Bools:

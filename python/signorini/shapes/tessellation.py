@@ -35,7 +35,7 @@ class Tessellation:
     edges: NDArray[np.int64]
     """Vertex numbers (k, d + 1) along each edge of the mesh; an edge of two elements occurs once."""
     midsides: NDArray[np.int64]
-    """Node number (k,) of the midside node of each edge."""
+    """Number (k,) of the mesh node in the middle of each edge."""
     outer: NDArray[np.bool_]
     """Mask (k,) of the edges that belong to one element only: the outline of the plate."""
 
