@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
-    """Merge overlapping straight edges into one; return all edges.
+    """Merge straight edges that overlap into one; return all edges.
 
-    Only an end that coincides with no other end, within ``gap`` in the drawing's unit, is merged with an edge over it.
+    Edges are merged only at a free end. An end is free if no other end is within ``gap``, in the drawing's unit.
     """
     straight = [i for i, edge in enumerate(edges) if edge.payload is not None and edge.payload.dxftype() == "LINE"]
     if len(straight) < 2:

@@ -226,7 +226,7 @@ class Mesh(Remade):
 
     @cached_property
     def holes(self) -> tuple[Floats, ...]:
-        """Polygon (k, 2) of each hole."""
+        """Polygon (k, 2) that approximates the outline of each hole."""
         return holes(self.points, self.boundary)
 
     @cached_property

@@ -79,7 +79,8 @@ def _joints(
         within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
         return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
 
-    # The direction matters only if several divisions are equally good; otherwise keep the digits of the forward one.
+    # The direction of division matters only if several divisions are equally good. Otherwise the forward division is
+    # used, whose coordinates keep their digits.
     forward = along(1.0)
     if axes[0][axis] + axes[1][axis] > 0:
         return forward

@@ -162,7 +162,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """Scale a panel by the values before the last 3 % of t if later values are much larger, and write the latter."""
+    """If values in the last 3 % of t are much larger, scale a panel by the earlier ones and note the larger ones."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
