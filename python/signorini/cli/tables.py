@@ -213,7 +213,7 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
 
 
 def _print_largest(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the largest moments and shears of all combinations, the worst certificate, and the meshes of ±."""
+    """Print the largest moments and shears of all combinations, the worst certificate, and the meshes behind ±."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     if not solved:
         return

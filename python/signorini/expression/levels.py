@@ -81,7 +81,7 @@ def _roots(square: float, linear: float, constant: float) -> tuple[float, ...]:
 
 
 def polynomial(node: ast.expr) -> Polynomial | None:
-    """Convert a checked syntax tree to a polynomial; None if it is not one, or if its degree exceeds two."""
+    """Convert a checked syntax tree to a polynomial; None if its degree exceeds two or it is no polynomial."""
     match node:
         case ast.Constant():
             return _constant(float(node.value))  # type: ignore[arg-type]
@@ -193,7 +193,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # asin(sin(π·)) is linear near its zeros, so that straight steps are cut exactly.
+            # For the argument u, asin(sin(πu)) is linear near its zeros, so that straight steps are cut exactly.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )

@@ -292,7 +292,7 @@ class Slab:
     holes: Sequence[Loop]
 
     def beyond(self, points: Iterable[tuple[float, float]]) -> Floats:
-        """Vector (q, 2) [m] from each point outside the plate to the nearest point of an edge; otherwise zero."""
+        """Vector (q, 2) [m] from each point outside the plate to the nearest edge point; zero for others."""
         xy = np.array([*points]).reshape(-1, 2)
         off = np.any([~self.outline.has(xy), *(hole.has(xy) for hole in self.holes)], axis=0)
         return np.where(off[:, None], self._edges.nearest(xy)[0] - xy, 0.0)
