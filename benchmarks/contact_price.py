@@ -1,17 +1,17 @@
 """Time of contact relative to a linear solve on the same mesh.
 
-Four plates on one-sided supports are compared with the same supports two-sided, which is a linear problem:
+Four plates on one-sided supports are compared with the same plates on two-sided supports, a linear problem:
 
-- slab A on soil; two-sided springs are part of the matrix;
-- the same slab on 100 rigid points; two-sided points are held dofs;
-- the same slab on 36 rigid footprints of a tenth of its sides. They are compared with two-sided points in their
-  centers, since two-sided footprints are contact rows too;
-- the same slab on a second slab on soil, with an elastic layer between them.
+- slab A on soil; in the linear problem the springs are part of the matrix;
+- the same slab on 100 rigid points, which are held dofs in the linear problem;
+- the same slab on 36 rigid footprints with a tenth of the slab's sides. The linear problem has two-sided points in the
+  centers of the footprints, since two-sided footprints are contact rows too;
+- the same slab on a second slab on soil, with an elastic layer between the slabs.
 
 The runs alternate in one process. Times are medians, and ratios are ratios of medians.
 
-Then six plates on rigid areas are compared with soil on the same areas. The target is three times the time on soil, or
-three factorizations if that is more.
+Then six plates on rigid areas are compared with plates on soil in the same areas. The target is three times the time
+on soil, or the time of three factorizations if that is more.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
 assembly, factorization, condensation, contact, refinement. "whole" is from the model to the certified result.

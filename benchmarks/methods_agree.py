@@ -1,10 +1,11 @@
 """Agreement of Lemke's algorithm and the active set, condensed and as a saddle-point system, on random plates.
 
-Rectangles and discs, thickness over span from 0.003 to 0.3, in metres or millimetres, newtons or meganewtons, on rigid
-and elastic points, lines, edges, circles and soil, with gaps and settlements, up to 400 contact points. A plate is
-determined by its number. Every answer must pass its certificate. Deflections are compared relative to the largest,
-reactions relative to the largest reaction; if the closed rigid supports are dependent, only deflections are compared;
-if the closed supports leave a rigid motion, not even these.
+The plates are rectangles and discs with thickness over span from 0.003 to 0.3, in metres or millimetres, newtons or
+meganewtons. They rest on rigid and elastic points, lines, edges, circles and soil, with gaps and settlements, and have
+up to 400 contact points. A plate is determined by its number. Every answer must pass its certificate. Differences of
+deflections are relative to the largest deflection, differences of reactions to the largest reaction. Reactions are
+not compared if the closed rigid supports are dependent; deflections are not compared if the closed supports leave a
+rigid motion.
 
     python benchmarks/methods_agree.py --plates 500           # worst differences and times
     python benchmarks/methods_agree.py --plates 40 --check    # exits with 1 unless all agree to 1e-8

@@ -1,9 +1,10 @@
 """Search for numbers that grow without limit but are not reported as singular: random plates with points.
 
-Each of four meshes has half the element size of the previous one. Numbers that seem to grow must also grow on a fifth
-mesh. They are those of results.json, and the largest moments and shears on the finest mesh outside the reported
-singularities (farther than two elements of the coarsest mesh, and than `within`). Numbers that grow on all steps, by
-the rule of signorini.accuracy.half_width, must be reported. Two effects grow in the same way, but have a limit:
+Each of four meshes has half the element size of the previous one; numbers that grow on all four are also computed on a
+fifth mesh. The numbers are those of results.json, and the largest moments and shears on the finest mesh away from the
+reported singularities (farther than `within` and than two elements of the coarsest mesh). Numbers that grow from each
+mesh to the next, by the rule of signorini.accuracy.half_width, must be reported as singular. Two effects grow in the
+same way, but have a limit:
 
 - boundary layers of edges, thickness steps and ends of supports on meshes that do not resolve them
   (signorini.accuracy.layers). Plates are left out if a solid plate with an equally wide layer is thinner than the
