@@ -3,10 +3,10 @@
 - A strip of 400 x 1 elements on tensionless soil under its weight and a line load that grows to t = 60, relative to
   one solve of the same model, both with half-widths (target: at most 20). Likewise the base plate of examples/, whose
   anchors begin to pull, also on 96 x 64 elements.
-- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements, without half-widths. Its path is relative to one
-  linear solve: meshing, factoring and solving on two-sided soil (target: at most 60). A downward force of t × 500 kN
-  near a corner never tips the slab, since soil is under the resultant. As an upward force it tips the slab about the
-  far corner at t = 2/9. Both paths are followed.
+- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements, without half-widths. Its path is relative
+  to one linear solve: meshing, factoring and solving on two-sided soil (target: at most 60). A downward force of t ×
+  500 kN near a corner never tips the slab, since soil is under the resultant. As an upward force it tips the slab
+  about the far corner at t = 2/9. Both paths are followed.
 - A raft on 2304 points that is overturned; the path follows every contact point: number of events per second.
 - A cover bolted on a gasket one element wide: the pressure in bar at which half of the gasket is open, by contact area
   and by number of points, also on a mesh of half the element size.
