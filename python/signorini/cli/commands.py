@@ -25,9 +25,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini_command import ASKED
 
 _MAX_REASONS = 20
-"""Largest number of combinations without equilibrium whose reason is printed."""
+"""Largest number of combinations without equilibrium for which the reason is printed."""
 _BEFORE_LIMIT = 0.999
-"""Suggested end of a path, relative to the limit of equilibrium."""
+"""End of a path that a message suggests, relative to the factor at which equilibrium ends."""
 _OPTIONS = {
     "start": "--from",
     "add": "--add",
@@ -41,7 +41,7 @@ _OPTIONS = {
     "no_error": "--no-error",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
-"""Options of the command line by argument of `signorini.path` and `read_dxf`."""
+"""Command-line option for each argument of `signorini.path` and `read_dxf`."""
 
 app = typer.Typer(
     name="signorini",
@@ -63,10 +63,10 @@ InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file,
 
 
 def main() -> None:
-    """Run the command line; the process ends with its exit code."""
+    """Run the command line and end the process with its exit code."""
     signal.signal(signal.SIGTERM, _terminate)
     for stream in (sys.stdout, sys.stderr):
-        # A character outside the terminal's encoding must not raise.
+        # Characters that the terminal's encoding lacks are replaced; by default they would raise an error.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
@@ -76,7 +76,7 @@ def main() -> None:
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
-    """Raise SystemExit, so that contexts remove incomplete files."""
+    """Raise SystemExit at SIGTERM, so that open contexts remove incomplete files."""
     sys.exit(interrupts.TERMINATED)
 
 
@@ -266,7 +266,7 @@ def path(
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:
-    """Load a model; ``no_error`` sets mesh.error = false."""
+    """Load a model; if ``no_error`` is True, set mesh.error = false."""
     model = signorini.load(file)
     if not no_error:
         return model
@@ -284,7 +284,7 @@ def _numbers(text: str) -> list[float]:
 
 
 def _events(events: str) -> Literal["named", "all"]:
-    """Validate the option ``--events``."""
+    """Return the value of ``--events`` if it is "named" or "all"; refuse other values."""
     from signorini.base.arguments import known
 
     return "all" if known(events, ("named", "all"), "choice", "events", "It") == "all" else "named"
@@ -361,7 +361,7 @@ def schema() -> None:
     """Print the JSON Schema of the input file, for completion and checks in editors."""
     with _messages():
         try:
-            # The output is the only result: an incomplete schema is an error.
+            # An output that is cut off is an error here, because no file has the schema.
             sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
             sys.stdout.flush()
         except BrokenPipeError:
@@ -373,7 +373,7 @@ def schema() -> None:
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
-    """Raise NoEquilibriumError if combinations have no equilibrium, with the reasons of the first few."""
+    """Raise NoEquilibriumError if ``count`` > 0; the message has the reasons of the first 20 combinations."""
     if count:
         reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MAX_REASONS]
         more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
@@ -382,7 +382,7 @@ def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
 
 @contextmanager
 def _messages(file: Path | None = None) -> Iterator[None]:
-    """Context that converts errors to a message on standard error and an exit code."""
+    """Context that converts an exception to a message on standard error and an exit code."""
     try:
         yield
     except InputError as error:
@@ -408,7 +408,7 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except BaseException as error:
         if ASKED:
             _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
-        # A Rust panic arrives as a BaseException that is not an Exception.
+        # A Rust panic is a BaseException but no Exception.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         _end(
