@@ -1,4 +1,4 @@
-//! Memory for f64 numbers, zeroed when it is allocated, with checked allocation.
+//! Arrays of f64 numbers that are zeroed when they are allocated; a failed allocation is an error, not a panic.
 
 use super::error::FactorError;
 use memmap2::MmapMut;

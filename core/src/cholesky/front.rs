@@ -1,7 +1,7 @@
 //! Dense elimination of the first columns of a symmetric matrix, which is stored as its lower triangle.
 //!
-//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. If all signs of a block of columns are positive, its products
-//! omit S.
+//! The pivots have given signs S, 1 or −1: A = L S Lᵀ. If all signs of a block of columns are 1, S is left out of the
+//! block's products.
 
 use crate::vectorized::vectorized;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -12,17 +12,17 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Number of columns eliminated before the remaining columns are updated.
+/// Number of columns that are eliminated before the columns after them are updated.
 const BLOCK: usize = 64;
 /// Number of columns that a thread updates at a time. It is fixed, so that the bits do not depend on the number of
 /// threads.
 pub(super) const TILE: usize = 128;
 /// Number of rows below a block that a thread solves at a time.
 const ROWS: usize = 256;
-/// Number of columns of L in one update.
+/// Number of columns of L in one matrix product of an update.
 const DEPTH: usize = 256;
-/// Smallest number of rows below a tile for which its rows of L are copied contiguously. In place, neighbours in a row
-/// are pages apart, and the product reads each row many times.
+/// Smallest number of rows below a tile for which the tile's rows of L are copied to contiguous memory. Otherwise
+/// neighbours in a row are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
 /// Workspace of the dense elimination.
@@ -102,8 +102,8 @@ fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(
     )
 }
 
-/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ in the storage of `merge`; L₂ are the rows of L below its first
-/// `width`.
+/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ, stored as in `merge`. L₂ has the rows of L below the first `width`
+/// rows, `width` being the number of columns of L.
 pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
@@ -117,8 +117,8 @@ pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest
         .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Subtracts L S Lᵀ from columns of a symmetric matrix. They begin at column `from` and are stored without their first
-/// `skipped` rows.
+/// Subtracts L S Lᵀ from `columns` of a symmetric matrix. The first of these is column `from` of the matrix; the first
+/// `skipped` rows are not stored.
 fn subtract_square(
     l: &[f64],
     height: usize,
@@ -157,9 +157,10 @@ fn subtract_square(
     }
 }
 
-/// Overwrites `rows` with `count` rows, from row `from` on, of columns of length `height`; each row is contiguous.
+/// Overwrites `rows` with `count` rows of a matrix whose columns have length `height`, from row `from` on. Each copied
+/// row is contiguous.
 fn copy_rows(columns: &[f64], height: usize, from: usize, count: usize, rows: &mut Vec<f64>) {
-    /// Number of columns copied together: a cache line holds their entries of a row.
+    /// Number of columns that are copied together: one row of them fills a cache line.
     const FEW: usize = 8;
     let width = columns.len() / height;
     rows.resize(width * count, 0.0);
@@ -197,7 +198,7 @@ mod tests {
         (0..WIDTH).map(|k| if is_negative(k) { -1.0 } else { 1.0 }).collect()
     }
 
-    /// Some tiles are tall, some are not, and the update takes two steps of `DEPTH` columns.
+    /// A large front: some tiles are tall enough for copied rows, and an update takes two products of `DEPTH` columns.
     #[test]
     fn a_large_front_is_that_of_its_products() {
         for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {

@@ -1,6 +1,6 @@
-//! Solution with springs, whose compliance includes the augmentation compliance σ, at the points: the penalised method,
-//! with the forces of points eliminated, and the saddle-point method, with these forces as unknowns. The method of
-//! multipliers removes the effect of σ on rigid points (Rockafellar 1976).
+//! Solver of a fixed contact state on a factor with a spring at each point; the spring's compliance includes the
+//! augmentation compliance σ. The penalised method eliminates the forces of the points; the saddle-point method has
+//! these forces as unknowns. The method of multipliers removes the effect of σ on rigid points (Rockafellar 1976).
 
 use super::coarse::CoarseSolver;
 use super::factored::{Direction, Factored};
@@ -11,7 +11,7 @@ use crate::contact::residual::Residual;
 use crate::contact::tolerances;
 
 impl Factored<'_> {
-    /// The direction for an imbalance on a contact state, to a relative tolerance.
+    /// The direction that removes `imbalance` on a contact state, by conjugate gradients to a relative tolerance.
     fn direction(&mut self, pieces: &[u8], imbalance: &[f64], tolerance: f64) -> Result<Direction, FactorError> {
         let mut gradients = Gradients::begin(self, pieces, imbalance.to_vec(), tolerance, 0.0);
         Ok(gradients.go_on(self, imbalance, None)?.expect("no one else asks the factor"))
@@ -55,7 +55,7 @@ impl Kkt for Factored<'_> {
     }
 
     fn is_settled(&self, right: &Residual, force: f64) -> bool {
-        // Only the points with σ > 0 count: the stiffness of the other points is exact.
+        // Only points with σ > 0 count, since the stiffness of all other points is exact.
         let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
         let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
         pushes.all(|push| push <= tolerances::newton::SETTLED * force)
