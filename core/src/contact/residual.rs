@@ -167,7 +167,7 @@ pub(super) fn lengths(problem: &ContactProblem, solution: &ContactSolution) -> V
     shifts.map(|(shift, arm)| shift.abs().max(deflection / arm)).collect()
 }
 
-/// Smallest reference length: far below the deflection under the load, L²/D times the sum of the forces. It matters
+/// Smallest reference length: `NIL` times the sum of the forces, divided by the stiffness D/a² of the plate. It matters
 /// only if the plate hardly deflects.
 pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     let springs = &problem.springs;
