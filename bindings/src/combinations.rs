@@ -14,7 +14,7 @@ use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope, LeftOut};
 use std::sync::Arc;
 
-/// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions and
+/// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions (m,) and
 /// displacements (m,) of the contact points.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Response {

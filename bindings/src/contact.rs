@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// `held` (3n,) is true for dofs with a prescribed value. `springs` is (elements, rows, further, stiffness, base).
 /// `points` is a dict of arrays, the fields of `ContactPoints`. Each of `laws` is (vertices [travel, force], slopes
 /// before the first and after the last vertex). `free_motions` (d, 3n) are the rigid motions that held dofs, springs
-/// and two-sided points leave free; None means that there are none. `method` is "lemke", "active_set" or "saddle".
+/// and two-sided points leave free; None means d = 0. `method` is "lemke", "active_set" or "saddle".
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: Arc<contact::ContactProblem>,
@@ -167,8 +167,8 @@ impl ContactProblem {
         Ok(Self { inner: Arc::new(self.inner.with_shift(vector(&distance)).map_err(failed)?) })
     }
 
-    /// Solves one load. `form` is "dual", "stiffness", or None for the better conditioned form of the LCP. `start` is
-    /// the solution of another load on the same problem, from which the solve starts.
+    /// Solves one load. `form` is "dual", "stiffness", or None for the better conditioned form of the LCP. The solve
+    /// starts from `start`, the solution of another load on the same problem.
     ///
     /// `progress(step, changing, residual)` is called after Newton steps or pivots. `changing` is the number of points
     /// that changed their piece, `residual` is relative to the largest nodal force. An exception in `progress` ends the

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Value in [`Numbering::column`] for a held dof or a dof of a follower, which has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Column of the factor for each free dof and for each multiplier row.
+/// The order of elimination: the column of the factor for each free dof and for each multiplier row.
 pub struct Numbering {
     /// Column of each dof ([`HELD`] if the dof has none), then the column of each multiplier row.
     pub column: Vec<usize>,
@@ -33,7 +33,7 @@ pub struct MultiplierRow {
 }
 
 impl MultiplierRow {
-    /// Makes a row from (dof, coefficient) pairs.
+    /// Makes a multiplier row from (dof, coefficient) pairs.
     pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
         let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
         row.for_each(|(dof, coefficient)| nodes.entry(dof / 3).or_default()[dof % 3] += coefficient);
@@ -103,7 +103,7 @@ impl Numbering {
         Self { dof, ..plain }
     }
 
-    /// Numbers all dofs as free, in the order of the mesh.
+    /// Numbers all dofs of a plate as free dofs, in the order of the mesh.
     pub fn natural(plate: &Plate) -> Self {
         let dof: Vec<usize> = (0..plate.dof_count()).collect();
         Self { column: dof.clone(), dof, trailing: 0 }
@@ -175,7 +175,7 @@ impl Incidence {
 
 /// The matrix K: element matrices, springs and bedding, bordered by multiplier rows.
 ///
-/// Entries are summed each time they are read; the sums are the same for every reader.
+/// The terms of an entry are summed each time the entry is read. Every reader gets the same sum.
 pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
@@ -185,10 +185,10 @@ pub struct Assembly<'a> {
     bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
-    /// Nodes of the elements in pairs. Element index 2p + i is element i of pair p.
+    /// For each node, its positions in elements of pairs. Here element index 2p + i is element i of pair p.
     paired: Incidence,
     multiplier_rows: &'a [MultiplierRow],
-    /// For each node, (multiplier row, position of the node in this row).
+    /// For each node, the multiplier rows that contain it: (multiplier row, position of the node in this row).
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
     diagonal_shift: f64,
 }
@@ -219,7 +219,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds multiplier rows; the numbering must contain them.
+    /// Adds multiplier rows to the matrix; the numbering must have columns for them.
     pub fn has_multiplier(self, multiplier_rows: &'a [MultiplierRow]) -> Self {
         let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         for (at, multiplier_row) in multiplier_rows.iter().enumerate() {
@@ -265,7 +265,7 @@ impl<'a> Assembly<'a> {
         Self { diagonal_shift: part, ..self }
     }
 
-    /// Nodes connected to a node by elements and springs, including the node itself; some appear more than once.
+    /// Nodes that elements and springs connect to `node`, including `node` itself. Some nodes appear more than once.
     fn around(&self, node: usize) -> impl Iterator<Item = usize> {
         let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| *self.plate.leading(e));
         let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));

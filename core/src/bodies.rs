@@ -1,11 +1,11 @@
 //! Nodes that follow a leader as one rigid body.
 //!
-//! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on it act on the
-//! leader as a force and couples. Displacements are stored at all nodes, residual forces at leaders only.
+//! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on a follower act on
+//! its leader, with couples. Displacements are stored at all nodes, residual forces at leaders only.
 
 use crate::double_double::DoubleDouble;
 
-/// A node with its leader and its position relative to the leader, a difference of doubles without rounding error.
+/// A follower with its leader, and its position relative to the leader as an exact difference of doubles.
 #[derive(Clone, Copy)]
 pub struct Follower {
     pub node: usize,

@@ -63,7 +63,7 @@ pub struct Lu {
 }
 
 impl Lu {
-    /// Factors a square matrix, which may be singular.
+    /// Factors a square matrix. The matrix may be singular; then a pivot is zero.
     pub fn of(mut matrix: Mat<f64>) -> Result<Self, OutOfMemory> {
         let order = matrix.nrows();
         let parallelism = parallelism(order);
@@ -76,7 +76,7 @@ impl Lu {
         Ok(Self { factors: matrix, permutation, parallelism })
     }
 
-    /// Whether the magnitude of every pivot is finite and larger than `least`.
+    /// Whether every pivot is finite and larger than `least` in magnitude.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.factors.ncols()).map(|i| self.factors[(i, i)].abs()).all(|pivot| pivot > least && pivot.is_finite())
     }
@@ -95,7 +95,7 @@ impl Lu {
 pub struct Cholesky(Mat<f64>);
 
 impl Cholesky {
-    /// Factors a matrix from its lower triangle; `None` if it is not positive definite.
+    /// Factors a symmetric matrix from its lower triangle; `None` if the matrix is not positive definite.
     pub fn of(mut matrix: Mat<f64>) -> Result<Option<Self>, OutOfMemory> {
         let parallelism = parallelism(matrix.nrows());
         let scratch = llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), parallelism, Default::default());
@@ -106,7 +106,7 @@ impl Cholesky {
         Ok(done.is_ok().then_some(Self(matrix)))
     }
 
-    /// Whether every pivot is larger than `least`.
+    /// Whether every pivot of the factorization is larger than `least`.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.0.ncols()).all(|i| self.0[(i, i)].powi(2) > least)
     }

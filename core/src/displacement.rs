@@ -28,7 +28,8 @@ impl Displacement {
         (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
     }
 
-    /// Sets the displacements of followers in double-double, so that rigid bodies have no strain.
+    /// Sets the displacements of followers from those of their leaders. The sums are in double-double, so that rigid
+    /// bodies have no strain.
     pub fn follow(&mut self, bodies: &Bodies) {
         for Follower { node, leader, arm } in bodies.followers() {
             let [w, x, y] = std::array::from_fn(|k| self.at(3 * leader + k));
@@ -87,7 +88,7 @@ impl Displacement {
         self.stripped(plate, e).map(DoubleDouble::value)
     }
 
-    /// [`Displacement::strained`] in double-double.
+    /// The displacements of [`Displacement::strained`], in double-double.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         vectorized(
             #[inline(always)]

@@ -14,18 +14,18 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Errors in the arrays of a plate.
+/// Reasons why the arrays of a plate are invalid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlateError {
-    /// There are no elements.
+    /// The plate has no elements.
     Empty,
-    /// An array has the wrong length.
+    /// The named array has the wrong length.
     Length { what: &'static str, found: usize, expected: usize },
-    /// A number is NaN or infinite.
+    /// A number of the named array is NaN or infinite.
     NotFinite { what: &'static str, index: usize },
-    /// A value is outside its range.
+    /// A value of the named array is outside its range.
     Range { what: &'static str, index: usize },
-    /// An element refers to a missing node.
+    /// An element refers to a node that does not exist.
     NoSuchNode { element: usize, node: usize },
     /// An element repeats a node in a pattern other than [a, b, c, c, ab, bc, c, ca] and [c, c, a, b, c, ca, ab, bc].
     Repeated { element: usize },
@@ -33,7 +33,7 @@ pub enum PlateError {
     Triangle { element: usize },
     /// An element is a collapsed quadrilateral, but its kind does not allow this.
     Collapsed { element: usize },
-    /// The Jacobian of an element is not positive at a Gauss point.
+    /// The Jacobian determinant of an element is not positive at a Gauss point.
     Inverted { element: usize },
 }
 

@@ -32,7 +32,7 @@ pub fn at_gauss_points(
     Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
 }
 
-/// Strain–displacement matrices and sections at N points of an element.
+/// Strain–displacement matrices and sections at N points of one element.
 struct Samples<const N: usize = 4> {
     strain: [StrainMatrix; N],
     sections: [Section; N],

@@ -166,7 +166,7 @@ pub fn envelop(
     (0..who.len()).map(merged).collect()
 }
 
-/// One tile: [`TILE`] consecutive entries of every vector, from which the entries of all sums are computed.
+/// One tile: [`TILE`] consecutive entries of every vector. The same entries of all sums are computed with it.
 struct Tile<'a, 'b> {
     rows: &'a [f64],
     vectors: &'a [f64],

@@ -263,8 +263,8 @@ impl Curve {
         Curve { from, to, round }
     }
 
-    /// A second common point of this curve and `next`, which begins where this curve ends. `None` if there is no such
-    /// point, or if it is the start of this curve and the end of `next`.
+    /// A second common point of this curve and `next`, which begins where this curve ends. `None` without such a point,
+    /// or if the point is both the start of this curve and the end of `next`.
     pub fn meets_next(&self, next: &Curve) -> Option<Point> {
         let corner = self.to;
         // The second point is the mirror image of the first in the line through both centres, or, if one curve is

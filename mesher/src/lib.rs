@@ -1,11 +1,11 @@
 //! Meshes of 8-node quadrilaterals for plates with any outline, with 6-node triangles where quadrilaterals do not fit.
 //!
 //! The outline is checked (`outline`), transformed to a form that does not depend on unit, position and order
-//! (`normal`), and rotated to the direction of most of its length. Lines that element sides follow are cut where they
-//! meet the outline (`planar`). Nodes are placed along them and on a lattice, which is finer where elements must be
-//! smaller (`sizes`, `seeding`). They are joined to Delaunay triangles (`triangles`), and these to quadrilaterals
-//! (`pairing`). Remaining triangles are merged in pairs where possible (`tunnels`), and nodes are moved to improve
-//! shapes (`smoothing`). The same input gives the same bits.
+//! (`normal`), and rotated so that the direction in which its sides are longest is an axis. Lines that element sides
+//! follow are cut where they meet the outline (`planar`). Nodes are placed along outline and lines and on a lattice,
+//! which is finer where elements must be smaller (`sizes`, `seeding`). Nodes are joined to Delaunay triangles
+//! (`triangles`), and triangles to quadrilaterals (`pairing`). Remaining triangles are merged in pairs where possible
+//! (`tunnels`), and nodes are moved to improve shapes (`smoothing`). The same input gives the same bits.
 
 #![forbid(unsafe_code)]
 
@@ -47,9 +47,9 @@ pub struct Line {
     pub through: Option<Point>,
     /// Lines are followed in increasing order of rank; a line is left out if it is too near to a followed one.
     pub rank: usize,
-    /// Whether only parts of the line may be followed: the parts inside the plate that are at least about half an
-    /// element from the outline and from followed lines. Otherwise the part inside the plate is followed as a whole or
-    /// not at all.
+    /// Whether parts of the line may be followed: those inside the plate that are at least about half an element away
+    /// from the outline and from followed lines. If false, the part inside the plate is followed as a whole or not at
+    /// all.
     pub in_part: bool,
 }
 
@@ -62,7 +62,7 @@ pub struct MeshOptions {
     pub lines: Vec<Line>,
     /// Points that become nodes if they are far enough from other nodes and from followed lines.
     pub points: Vec<Point>,
-    /// Largest number of elements, approximately; 10⁷ if `None`.
+    /// Largest number of elements, approximately; `None` means 10⁷.
     pub most: Option<usize>,
     /// Axes of the normal form: ±x and ±y, in either order. If two plates are the same along their axes, they have the
     /// same mesh, mirrored or turned like the plates.
@@ -207,7 +207,7 @@ fn better(one: Quadratic, other: Quadratic) -> Quadratic {
     if rank(&other) > rank(&one) { other } else { one }
 }
 
-/// Nodes and elements before triangles are merged and nodes are moved.
+/// Nodes and elements of a mesh before triangles are merged and nodes are moved.
 struct Draft {
     seeds: Seeds,
     pieces: Vec<Piece>,
@@ -265,7 +265,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If no mesh can be made: the points at which elements must be smaller.
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
@@ -284,7 +284,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If no mesh can be made: the points at which elements must be smaller.
     fn made(&self, draft: Draft) -> Result<Quadratic, Vec<Point>> {
         let Draft { mut seeds, pieces, elements: paired } = draft;
         let chords = Chords::new(&seeds.chords, &pieces);
@@ -313,7 +313,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If elements are inverted or nearly so: the points at which elements must be smaller.
     fn shaped(&self, seeds: &mut Seeds, pieces: &[Piece], elements: &[Corners]) -> Result<Quadratic, Vec<Point>> {
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);

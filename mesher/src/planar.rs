@@ -8,7 +8,7 @@ use crate::sizes::Sizes;
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     pub curve: Curve,
-    /// Fractions of the curve's length at which the piece begins and ends.
+    /// Fractions of the curve's length at which the piece begins and at which it ends.
     pub span: [f64; 2],
     pub ends: [usize; 2],
     pub of: Source,
@@ -214,7 +214,7 @@ impl<'a> Planar<'a> {
         parts
     }
 
-    /// The number of the vertex at a point. If there is none, a vertex is added, also to the track through this point.
+    /// The number of the vertex at a point. If no vertex is there, one is added, also to the track through this point.
     fn vertex(&mut self, at: Point) -> usize {
         if let Some(vertex) = self.vertex_at(at) {
             return vertex;

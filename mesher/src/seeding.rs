@@ -185,7 +185,7 @@ impl Grid {
         [p[0] + p[1] * cos, p[1] * sin]
     }
 
-    /// The lattice direction (0 or 1) to which a straight curve is parallel; `None` if there is none.
+    /// The lattice direction (0 or 1) to which a straight curve is parallel; `None` if it is parallel to neither.
     fn axis_along(&self, curve: &Curve) -> Option<usize> {
         let (from, to) = (self.flat(curve.from), self.flat(curve.to));
         (0..2).find(|&axis| curve.is_straight() && (to[1 - axis] - from[1 - axis]).abs() <= self.level)

@@ -116,7 +116,7 @@ impl Shape {
     }
 }
 
-/// The elements around each node, compressed by node.
+/// For each node, the elements around it, compressed by node.
 struct Around {
     starts: Vec<usize>,
     elements: Vec<usize>,

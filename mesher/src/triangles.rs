@@ -35,7 +35,7 @@ impl Triangles {
     ///
     /// # Errors
     ///
-    /// The points at which chords of arcs cross although the arcs do not.
+    /// If chords of two arcs cross although the arcs do not: the points at which they cross.
     pub fn new(
         seeds: &mut Seeds,
         sizes: &Sizes,
@@ -89,7 +89,7 @@ impl Triangles {
         centres
     }
 
-    /// Walks from triangle t to the triangle that contains p; `None` if a fixed side is in between.
+    /// Walks from triangle t to the triangle that contains the point p; `None` if a fixed side is in between.
     fn walk(&self, points: &[Point], mut t: usize, p: Point) -> Option<usize> {
         'step: for _ in 0..1000 {
             let corners = self.corners[t].map(|node| points[node]);

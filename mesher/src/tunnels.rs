@@ -1,4 +1,4 @@
-//! Merging of remaining triangles in pairs, by changing the quadrilaterals between them.
+//! Merges remaining triangles in pairs, by changing the quadrilaterals between the two triangles of a pair.
 
 use crate::geometry::{Point, between, cross, distance, scale};
 use crate::planar::Piece;

@@ -77,7 +77,7 @@ impl Entry for Lanes {
     }
 }
 
-/// Arguments of a kernel: `count` columns of a supernode, as `layout` stores them, and a vector.
+/// Arguments of a [`Kernel`]: `count` columns of a supernode, stored as in `layout`, and a vector.
 struct Run<'a, E, K> {
     columns: &'a [f64],
     count: usize,

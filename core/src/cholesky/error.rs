@@ -2,7 +2,7 @@
 
 use crate::dense;
 
-/// Errors of the factorization.
+/// Reasons why a factorization fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorError {
     /// The pivot of this column does not have the expected sign: negative where

@@ -17,7 +17,7 @@ const BLOCK: usize = 64;
 /// Number of columns that a thread updates at a time. It is fixed, so that the bits do not depend on the number of
 /// threads.
 pub(super) const TILE: usize = 128;
-/// Number of rows below a block that a thread solves at a time.
+/// Number of rows below a block of columns for which a thread solves at a time.
 const ROWS: usize = 256;
 /// Number of columns of L in one matrix product of an update.
 const DEPTH: usize = 256;
@@ -32,7 +32,7 @@ pub(super) fn scratch() -> Option<MemBuffer> {
 
 /// Overwrites the lower trapezoid of `panel`, (height, width) by columns, with L.
 ///
-/// Fails with the first column whose pivot does not have the sign given in `signs`.
+/// Returns the first column whose pivot does not have the sign given in `signs`, as an error.
 pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch: &mut MemBuffer) -> Result<(), usize> {
     let width = panel.len() / height;
     for first in (0..width).step_by(BLOCK) {
@@ -57,7 +57,7 @@ pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch
         tail.par_row_chunks_mut(ROWS)
             .for_each(|rows| solve_lower_triangular_in_place(head, rows.transpose_mut(), Par::Seq));
         if signed {
-            // The solution of the triangular system is L₂S.
+            // The triangular solve gives L₂S. Changing signs of its columns gives L₂.
             for (column, _) in done.chunks_exact_mut(height).zip(signs).filter(|&(_, &sign)| sign < 0.0) {
                 column[first + count..].iter_mut().for_each(|value| *value = -*value);
             }
@@ -74,9 +74,10 @@ fn has_negative(signs: &[f64]) -> bool {
     signs.iter().any(|&sign| sign < 0.0)
 }
 
-/// Overwrites the lower triangle of a square block, whose columns are `height` apart, with L, column by column.
+/// Overwrites the lower triangle of a square block with L, column by column. Columns of the block are `height` numbers
+/// apart.
 ///
-/// Fails with the first column whose pivot does not have the sign given in `signs`.
+/// Returns the first column whose pivot does not have the sign given in `signs`, as an error.
 fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(), usize> {
     let count = signs.len();
     vectorized(

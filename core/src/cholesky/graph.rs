@@ -45,12 +45,12 @@ impl Graph {
         self.first.len() - 1
     }
 
-    /// Number of columns in a block.
+    /// Number of columns in `block`.
     pub(super) fn weight(&self, block: usize) -> usize {
         self.first[block + 1] - self.first[block]
     }
 
-    /// Neighbours of a block that are eliminated after it.
+    /// Neighbours of `block` that are eliminated after this block.
     pub(super) fn below(&self, block: usize) -> &[u32] {
         &self.below[self.start[block]..self.start[block + 1]]
     }

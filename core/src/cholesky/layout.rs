@@ -4,12 +4,12 @@
 //! A panel has the rows of its pivots first, then the rows below them in blocks of `ROWS` rows. Each block is stored
 //! column by column.
 
-/// Number of columns in a panel.
+/// Largest number of columns in a panel.
 pub(super) const PANEL: usize = 8;
-/// Number of rows in a block.
+/// Largest number of rows in a block of a panel.
 pub(super) const ROWS: usize = 8;
 
-/// A panel: `count` columns of a supernode.
+/// A panel: `count` consecutive columns of a supernode.
 pub(super) struct Panel {
     /// First column of the panel, relative to the supernode. The first stored row has the same index.
     pub(super) first: usize,
@@ -33,7 +33,7 @@ impl Panel {
     }
 }
 
-/// The panels of a supernode with `width` columns and `height` rows.
+/// Divides a supernode with `width` columns and `height` rows into panels.
 pub(super) fn panels(width: usize, height: usize) -> impl DoubleEndedIterator<Item = Panel> {
     (0..width).step_by(PANEL).map(move |first| Panel {
         first,

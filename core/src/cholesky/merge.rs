@@ -26,7 +26,8 @@ fn column(at: usize, order: usize) -> (usize, usize) {
     (tile + (at - first) * (order - first), first)
 }
 
-/// The update matrix of a child, a lower triangle stored by columns, and the positions of its rows in the parent.
+/// The update matrix of a child, a lower triangle stored by tiles of columns, and the positions of its rows in the
+/// parent.
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,

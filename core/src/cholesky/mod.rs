@@ -1,5 +1,5 @@
-//! Sparse Cholesky factorization by the multifrontal method: supernodes of the elimination tree, eliminated with
-//! `faer`'s dense kernels; substitution, and the trailing block of the factor.
+//! Sparse Cholesky factorization by the multifrontal method. Supernodes of the elimination tree are eliminated with the
+//! dense kernels of `faer`. Also forward and backward substitution, and the trailing block of the factor.
 //!
 //! The matrix is positive definite, or its pivots have known signs: A = L S Lᵀ, S diagonal with entries 1 and −1. A
 //! quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, has this factor in every order of its columns
@@ -37,7 +37,7 @@ use tree::Tree;
 /// Smallest estimated time, in nanoseconds, for which a subtree is divided among threads.
 const LEAST: f64 = 3e5;
 
-/// The pattern of L, and the plans for the factorization and the substitution.
+/// The pattern of L, and plans for the factorization and for the substitution.
 #[derive(Clone)]
 pub struct Analysis(Arc<Pattern>);
 

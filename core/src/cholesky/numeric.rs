@@ -86,13 +86,13 @@ impl Plan {
         size_of::<f64>() * (self.entries() + waiting + threads * workspace)
     }
 
-    /// Number of stored entries of the factor L.
+    /// Number of entries of L that are stored.
     pub(super) fn entries(&self) -> usize {
         self.entries.iter().sum()
     }
 }
 
-/// Number of entries in the update matrix of a supernode.
+/// Number of entries in the update matrix of supernode `s`.
 fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
@@ -170,7 +170,7 @@ struct Done {
     left: Buffer,
 }
 
-/// Workspace of one thread.
+/// Workspace that one thread uses for the elimination.
 struct Workspace<'a> {
     read: Reader<'a>,
     /// Entries (row, value) of the column that was read last.

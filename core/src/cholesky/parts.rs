@@ -26,7 +26,7 @@ pub(super) struct Part {
 pub(super) struct Parts(pub(super) Vec<Part>);
 
 impl Parts {
-    /// Divides a postordered tree; `work` is the estimated cost of each supernode.
+    /// Divides a postordered elimination tree into parts. `work` is the estimated time of each supernode.
     ///
     /// Subtrees with less work than `least` are not divided, since starting threads would cost more.
     pub(super) fn new(parent: &[u32], work: &[f64], least: f64) -> Self {

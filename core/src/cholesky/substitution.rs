@@ -65,7 +65,7 @@ impl Schedule {
         Self(shares)
     }
 
-    /// Overwrites `rhs` with L⁻¹·rhs.
+    /// Overwrites the right-hand side `rhs` with L⁻¹ · `rhs`.
     pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
@@ -86,7 +86,7 @@ impl Schedule {
         self.put(tree, &done, rhs);
     }
 
-    /// Overwrites `rhs` with L⁻ᵀ·rhs.
+    /// Overwrites the right-hand side `rhs` with L⁻ᵀ · `rhs`.
     pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;

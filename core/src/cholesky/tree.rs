@@ -10,7 +10,7 @@ pub(super) struct Tree {
     pub(super) place: Vec<u32>,
     /// First postorder index of each supernode, followed by the number of columns.
     pub(super) begin: Vec<usize>,
-    /// Parent of each supernode, or [`NONE`]; children precede their parent.
+    /// Parent of each supernode, or [`NONE`] for a root; children precede their parent.
     pub(super) parent: Vec<u32>,
     /// First child of each supernode (`head`), and the next child of the same parent (`next`).
     head: Vec<u32>,
@@ -51,17 +51,17 @@ impl Tree {
         (self.parent[s] != NONE).then_some(self.parent[s] as usize)
     }
 
-    /// Children of a supernode, in order.
+    /// Children of supernode `s`, in postorder.
     pub(super) fn children(&self, s: usize) -> impl Iterator<Item = usize> + '_ {
         siblings(&self.head, &self.next, s)
     }
 
-    /// Number of columns of a supernode.
+    /// Number of columns of supernode `s`.
     pub(super) fn width(&self, s: usize) -> usize {
         self.begin[s + 1] - self.begin[s]
     }
 
-    /// Postorder indices of the rows below a supernode's columns.
+    /// Postorder indices of the rows below the columns of supernode `s`.
     pub(super) fn below(&self, s: usize) -> &[u32] {
         &self.below[self.start[s]..self.start[s + 1]]
     }
@@ -71,13 +71,13 @@ impl Tree {
         (0..self.len()).map(|s| cost(self.width(s), self.below(s).len())).collect()
     }
 
-    /// Number of rows of a supernode, including the rows of its own columns.
+    /// Number of rows of supernode `s`, including the rows of its own columns.
     pub(super) fn height(&self, s: usize) -> usize {
         self.width(s) + self.below(s).len()
     }
 }
 
-/// Groups of blocks of the graph: the supernodes, before and after merging.
+/// Groups of blocks of the graph. They are the supernodes, first before and then after merging.
 struct Groups {
     group_of: Vec<u32>,
     parent: Vec<u32>,
@@ -165,7 +165,7 @@ impl Groups {
         let parent: Vec<u32> =
             order.iter().map(|&group| if parent[group] == NONE { NONE } else { at[parent[group] as usize] }).collect();
 
-        // Blocks of each supernode, in the order of the matrix.
+        // Number of the supernode that a block belongs to.
         let of = |block: usize| at[renumbered(self.group_of[block]) as usize] as usize;
         let mut first_block = vec![0; order.len() + 1];
         for block in 0..graph.len() {
@@ -218,7 +218,7 @@ fn postorder(parent: &[u32]) -> Vec<usize> {
     let (head, next) = children(parent);
     let mut order = Vec::with_capacity(parent.len());
     let mut open: Vec<usize> = (0..parent.len()).filter(|&group| parent[group] == NONE).collect();
-    // The order is built in reverse: parents before children, the last child first.
+    // The order is built in reverse: a parent before its children, the last child first.
     while let Some(group) = open.pop() {
         order.push(group);
         open.extend(siblings(&head, &next, group));

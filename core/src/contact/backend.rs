@@ -9,7 +9,7 @@ use crate::element::packed;
 use crate::plate::Plate;
 use std::sync::{Arc, OnceLock};
 
-/// The method for which the plate is factored.
+/// The method that finds the contact state; the plate is factored for this method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Lemke's algorithm, for few contact points: the plate is condensed onto all points.

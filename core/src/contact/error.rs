@@ -5,7 +5,7 @@ use crate::dense::OutOfMemory;
 use crate::lcp::{LcpError, LcpStatus};
 use std::fmt;
 
-/// Reasons why there is no solution.
+/// Reasons why a contact problem has no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveError {
     /// No reactions balance the load, or the gaps of rigid supports contradict each other.

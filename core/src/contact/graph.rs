@@ -9,7 +9,7 @@ use std::fmt;
 /// Relative tolerance for a line through two vertices that passes through the origin.
 const DRAWN: f64 = 1e-12;
 
-/// A nondecreasing polyline of force r over travel s.
+/// The law of a contact point: a nondecreasing polyline of force r over travel s.
 ///
 /// ```
 /// use signorini_core::contact::Graph;
@@ -35,7 +35,7 @@ pub struct Piece {
     pub slope: f64,
 }
 
-/// Reasons why a polyline is an invalid law.
+/// Reasons why a polyline is not a valid law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphError {
     NoVertex,
@@ -44,7 +44,7 @@ pub enum GraphError {
     Falls(usize),
     /// The slope before the first or after the last vertex is negative.
     NegativeSlope,
-    /// More pieces than a `u8` can number.
+    /// The graph has more pieces than a `u8` can number.
     TooManyPieces,
 }
 
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_regularized_graph_is_the_graph_in_series_with_a_spring() {
-        // Pieces in order: open, elastic, rigid, yielding.
+        // The pieces of this law are, in order: open, elastic, rigid, yielding.
         let graph = Graph::new(vec![[0.0, 0.0], [1.0, 2.0], [1.0, 5.0]], [0.0, 0.0]).unwrap();
         let compliance = 0.1;
         for (augmented_travel, number, force, slope) in

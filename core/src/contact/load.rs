@@ -1,4 +1,4 @@
-//! One load of a contact problem.
+//! The load for one solve of a contact problem.
 
 use super::error::{SolveError, require_length};
 use super::problem::ContactProblem;

@@ -61,7 +61,7 @@ pub struct PointLaws {
     pub graphs: Vec<Graph>,
     /// For each point (m,), the index of its law in `graphs`.
     pub graph: Vec<usize>,
-    /// `shift`, `weight` and `unit` (m,) are as in [`Points`].
+    /// `shift`, `weight` and `unit` (m,) of each point, as defined in [`Points`].
     pub shift: Vec<f64>,
     pub weight: Vec<f64>,
     pub unit: Vec<f64>,
@@ -96,7 +96,7 @@ impl Points {
         require_values("unit", &self.unit, "finite and positive", |unit| unit > 0.0 && unit.is_finite())
     }
 
-    /// Reserves memory for `count` points whose rows have the deflections of one element.
+    /// Makes an empty list with memory for `count` points whose rows have the deflections of one element.
     pub fn with_capacity(count: usize) -> Self {
         let mut points = Self::default();
         points.dof.reserve(8 * count);
@@ -294,7 +294,7 @@ impl Points {
     }
 
     /// For each point (m,), its first piece on which the force depends on the travel if `holds` is true, or does not
-    /// depend on it if `holds` is false. If there is no such piece, piece 0.
+    /// depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()

@@ -27,7 +27,7 @@ pub struct Seconds {
     pub condense: f64,
 }
 
-/// Input of a contact problem, in addition to the plate.
+/// Springs, held dofs and contact points: the input of a contact problem in addition to the plate.
 pub struct Supported {
     pub springs: Springs,
     /// Whether each dof (3n,) has a prescribed value.
@@ -143,7 +143,7 @@ impl ContactProblem {
         Ok(self.base.solve(load)?)
     }
 
-    /// Number of entries of the factor, and number of multiplications and additions of its factorization.
+    /// Number of stored entries of the factor, and number of multiplications and additions of its factorization.
     pub fn factor_size(&self) -> (usize, f64) {
         (self.base.factor.entries(), self.base.factor.flops())
     }

@@ -1,4 +1,4 @@
-//! Iterative refinement with residuals in double-double.
+//! Iterative refinement of a solution on its contact state, with residuals in double-double.
 //!
 //! Corrections are applied as long as each reduces the residual to a quarter (Wilkinson 1963). If the regularization
 //! makes this too slow, corrections become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz

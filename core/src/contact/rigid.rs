@@ -5,7 +5,7 @@ use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 
-/// A small matrix as a list of rows.
+/// A small matrix in double-double, as a list of rows.
 pub(super) type Matrix = Vec<Vec<DoubleDouble>>;
 
 /// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors (3n,). (x₀, y₀) is the centre of the bounding box

@@ -12,7 +12,8 @@ pub struct Progress {
     pub step: usize,
     /// Number of contact points that changed their piece in this step.
     pub changing: usize,
-    /// Largest nodal residual divided by the largest nodal force.
+    /// Newton method: largest nodal force of the residual, divided by the largest force. Lemke's algorithm: artificial
+    /// variable, divided by its first value.
     pub residual: f64,
 }
 
@@ -25,20 +26,20 @@ pub struct ContactSolution {
     pub displacement: Displacement,
     /// Reaction r (m,) of each contact point, with Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
-    /// Travel (m,) from each point to the reference vertex of its horizontal piece; 0 on other pieces.
+    /// Travel (m,) from each point on a horizontal piece to the reference vertex of this piece; 0 on other pieces.
     pub gap: Vec<f64>,
     /// Number (m,) of the piece of its law that each point is on.
     pub piece: Vec<u8>,
     pub pivots: usize,
     /// Number of Newton steps of the solve.
     pub iterations: usize,
-    /// Number of conjugate gradient steps in all Newton steps.
+    /// Number of conjugate gradient steps, summed over all Newton steps.
     pub gradients: usize,
     /// Number of factorizations during the solve, after the one of the problem.
     pub factorizations: usize,
-    /// Number of steps of iterative refinement.
+    /// Number of corrections by iterative refinement.
     pub corrections: usize,
-    /// Last factor of the Newton method, from which the solve of another load can start.
+    /// Last factor of the Newton method. The solve of another load can start with this factor.
     pub(super) system: Option<Arc<System>>,
     /// Number of conjugate gradient steps with the factor `system`. If these steps have cost as much as a
     /// factorization, the next solve factors its contact state.

@@ -12,7 +12,7 @@ use super::residual::Residual;
 use super::scale::largest;
 use super::solution::{ContactSolution, Watch};
 
-/// Settings of a solve.
+/// Settings of [`ContactProblem::solve`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
     /// The form of the LCP of condensed points; `None` selects the better conditioned form. The Newton method has no

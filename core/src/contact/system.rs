@@ -11,7 +11,7 @@ use crate::rows::Springs;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-/// What a multiplier row stands for: a spring, a contact point, or a shear force of a thin element.
+/// The source of a multiplier row: a spring, a contact point, or a shear force of a thin element.
 #[derive(Clone, Copy)]
 enum RowKind {
     Spring(usize),

@@ -31,7 +31,7 @@ pub(super) const SLOW: f64 = 0.7;
 pub(super) const NIL: f64 = 1e-6;
 
 /// Smallest pivot, relative to the largest pivot, of a small matrix in double-double. A smaller pivot belongs to an
-/// unconstrained rigid motion. 10¹⁰ ε²: lever arms with an error ε give a pivot of about ε².
+/// unconstrained rigid motion. 10¹⁰ ε²: distances with an error ε give a pivot of about ε².
 pub(super) const HELD: f64 = 1e-22;
 
 /// Largest residual of a response that needs no further correction, relative to the largest nodal force. Sums of
@@ -101,7 +101,8 @@ pub(super) mod newton {
     /// Residual of the Newton method at convergence, relative to the largest force: 500 ε.
     pub(crate) const SETTLED: f64 = 1e-13;
 
-    /// Multiple of `SETTLED` up to which multipliers are updated although some points still change their piece.
+    /// Multipliers are updated although some points still change their piece, if the residual is at most this multiple
+    /// of `SETTLED`.
     pub(crate) const NEARLY: f64 = 1e3;
 
     /// If the ratio of successive residuals on an unchanged contact state is larger, rounding prevents further
@@ -118,8 +119,8 @@ pub(super) mod newton {
     /// Largest slope of the energy at the end of a line search, relative to the slope at its start.
     pub(crate) const FLAT: f64 = 1e-3;
 
-    /// Curvature of the energy along a direction below which the direction is a free rigid motion, relative to the
-    /// curvature with the factored matrix. 500 ε: the rounding of the sum of squares.
+    /// Largest curvature of the energy along a free rigid motion, relative to the curvature with the factored matrix.
+    /// 500 ε: the rounding of the sum of squares.
     pub(crate) const FREE: f64 = 1e-13;
 
     /// Smallest curvature of the energy, relative to the curvature with the factored matrix, that is computed as a
@@ -150,7 +151,7 @@ pub(super) mod path {
     /// deflection.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Smallest t from which the length of a step is taken. Because of rounding an event at t = 0 may have a t of this
+    /// Smallest t that determines the length of a step. Because of rounding an event at t = 0 may have a t of this
     /// size.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
@@ -174,7 +175,7 @@ pub(super) mod path {
     /// nearly parallel points to about 1e-7 of this step.
     pub(crate) const SEEN: f64 = 1e-6;
 
-    /// Least length of a line in t, relative to a step that doubles the load.
+    /// Least length of a line of the path in t, relative to a step that doubles the load.
     pub(crate) const SHORT: f64 = 1e-3;
 
     /// If a reaction or gap changes by less than this over a line, relative to its reference size, it is constant.

@@ -3,7 +3,7 @@
 use super::kind::Kind;
 use super::number::Number;
 
-/// A linear elastic material, isotropic or anisotropic.
+/// A linear elastic material of a plate, isotropic or anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
     /// Largest Young's modulus of the material over all directions; it scales forces.
@@ -45,7 +45,7 @@ impl Material {
     }
 }
 
-/// Materials of a plate, and the material of each element.
+/// The materials of a plate, with the index of each element's material.
 #[derive(Clone, Debug)]
 pub struct Materials {
     all: Vec<Material>,

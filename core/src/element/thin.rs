@@ -161,7 +161,7 @@ pub struct Strains<'a> {
 }
 
 impl<'a> Strains<'a> {
-    /// Strains from nodal displacements from which the rigid motion of the first node is subtracted.
+    /// Strains from nodal displacements without the rigid motion of the element's first node.
     pub fn of(
         geometry: &Geometry,
         material: &Material,

@@ -23,7 +23,7 @@ use super::tolerances;
 /// ```
 pub struct LcpFamily {
     scaling: Scaling,
-    /// The scaled problem at the slack basis; its q is not used.
+    /// The problem scaled for its tolerances, at the slack basis. Its q is not used.
     scaled: CoveredLcp<'static>,
     origin: Vec<bool>,
     basis: Basis,
@@ -31,7 +31,7 @@ pub struct LcpFamily {
     pivoted: Vec<f64>,
 }
 
-/// The complementary basis at which a path ended.
+/// The complementary basis at which the path of one problem ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LcpBasis {
     pub status: LcpStatus,

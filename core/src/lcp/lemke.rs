@@ -7,7 +7,7 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// Options of [`lemke`].
+/// Options of the function [`lemke`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LemkeOptions<'a> {
     /// Covering vector d > 0 (m,) of a cold start; `None` means a vector of ones.
@@ -57,9 +57,9 @@ pub fn lemke(lcp: &Lcp, options: &LemkeOptions) -> Result<LcpSolution, LcpError>
 
 /// Solves the problem of [`lemke`] from the complementary basis of an earlier problem with the same or a similar M.
 ///
-/// The problem is first transformed to `basis` (true where z_i is basic). If this basis is feasible, no pivot is made.
-/// If not, a path starts there with a covering vector of ones. If the basis is singular, or the path ends neither at a
-/// solution nor on a ray that proves infeasibility, a cold start follows.
+/// The problem is first transformed to `basis` (m,), which is true where z_i is basic. If this basis is feasible, no
+/// pivot is made. If it is not, a path starts there with a covering vector of ones. A cold start follows if the basis
+/// is singular, or if the path ends neither at a solution nor on a ray that proves infeasibility.
 ///
 /// Returns the same errors as [`lemke`], and an error if `basis` does not have m entries.
 pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<LcpSolution, LcpError> {
@@ -169,7 +169,7 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
 /// Number of pivots between two calls of the callback. They take some milliseconds for a thousand pairs.
 pub(super) const WATCHED: usize = 64;
 
-/// The ways in which a path ends.
+/// The end of a path.
 pub(super) enum End {
     /// The path ends at a complementary basis. An entry (m,) is true if slack and complement are exchanged relative to
     /// the start.

@@ -7,7 +7,7 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// How a parametric path ended.
+/// How the path of a parametric problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametricEnd {
     /// The path reached the requested largest t.

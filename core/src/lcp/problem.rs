@@ -91,7 +91,7 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    /// The largest of the four errors.
+    /// The largest of the four relative errors.
     pub fn worst(&self) -> f64 {
         [self.negative_z, self.negative_w, self.complementarity, self.equation].into_iter().fold(0.0, larger)
     }
@@ -117,7 +117,7 @@ impl InfeasibilityProof {
 }
 
 impl<'a> Lcp<'a> {
-    /// Makes the problem from the m×m row-major `matrix` and the m entries of `q`.
+    /// Makes the problem from `matrix`, which is M (m, m) in row-major order, and the m entries of `q`.
     ///
     /// Returns an error if `matrix` is not m×m, or if an entry is not finite.
     pub fn new(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
@@ -250,7 +250,7 @@ pub enum LcpError {
     Entry { name: &'static str, index: usize, value: f64 },
     /// The vector `name` has `found` entries; M has `order` rows.
     Length { name: &'static str, found: usize, order: usize },
-    /// An entry of the covering vector is not a finite positive number.
+    /// An entry of the covering vector is not positive, or it is not finite.
     Covering { index: usize, value: f64 },
     /// The tableau does not fit into memory.
     OutOfMemory,

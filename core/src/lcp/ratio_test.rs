@@ -57,7 +57,7 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 
-/// Reasons why there is no next pivot.
+/// Reasons why the next pivot cannot be chosen.
 pub(super) enum Stuck {
     /// Rounding made the basis singular.
     Singular,
@@ -109,8 +109,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the entry of the row in `column`. Infinite if
-/// there is no such row.
+/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the entry of the row in `column`. Infinite
+/// without such a row.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];

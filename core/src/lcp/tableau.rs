@@ -1,4 +1,5 @@
-//! The condensed tableau of Lemke's algorithm: m × (m + 1) entries of the nonbasic columns, and the values.
+//! The condensed tableau of Lemke's algorithm: m × (m + 1) entries of the nonbasic columns, and the m values of the
+//! basic variables.
 //!
 //! The tableau is the dictionary `basic = value + T · nonbasic`. An exchange of the basic variable in row r and the
 //! nonbasic variable in column s sets row r and column s of T to zero and subtracts a rank-one term. The terms are
@@ -120,7 +121,7 @@ impl<'a> Tableau<'a> {
         Some(self.place[variable]).filter(|&place| place < self.order)
     }
 
-    /// The column of a nonbasic variable.
+    /// The column of the tableau that belongs to a nonbasic variable.
     fn column_of(&self, variable: usize) -> usize {
         self.place[variable] - self.order
     }
@@ -170,7 +171,7 @@ impl<'a> Tableau<'a> {
         rows.iter().map(entry).collect()
     }
 
-    /// Sets the nonbasic variable that enters next, and computes its column of T.
+    /// Sets the nonbasic variable that enters the basis next, and computes its column of T.
     pub(super) fn choose(&mut self, entering: usize) {
         let j = self.column_of(entering);
         let mut column = std::mem::take(&mut self.column);

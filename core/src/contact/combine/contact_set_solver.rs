@@ -250,7 +250,7 @@ impl ContactSetSolver {
         if !factors.has_pivots_above(0.0) {
             return Ok(None);
         }
-        // The second pass is one step of iterative refinement.
+        // The second pass is a step of iterative refinement for the solution of the first pass.
         for _ in 0..2 {
             let residual = self.residual(on, right, &x);
             let mut step = Mat::from_fn(size, 1, |p, _| residual[unknown[p]]);

@@ -97,8 +97,8 @@ impl ContactProblem {
     /// Solves combinations in parallel; each row of `factors` has one factor per case. `watch` is called between groups
     /// of combinations and cancels by returning false.
     ///
-    /// [`SolveError::NoEquilibrium`] includes contradictory gaps. [`SolveError::Unsolved`] means that the combination
-    /// must be solved separately: signs are within rounding, or the pivot limit was reached.
+    /// The error [`SolveError::NoEquilibrium`] includes gaps that contradict each other. [`SolveError::Unsolved`] means
+    /// that the combination must be solved separately: signs are within rounding, or the pivot limit was reached.
     pub fn combine(
         &self,
         shared: &CombinedCases,

@@ -65,8 +65,8 @@ pub(in crate::contact) fn by_lemke(
     Err(SolveError::Unsolved)
 }
 
-/// The condensed residual of `solution` under a load, from which the LCP for the remaining change is made. Violations
-/// are relative to the first pieces.
+/// The condensed residual of `solution` under a load, as right-hand side of the LCP for the remaining change of the
+/// solution. Violations are relative to the first pieces.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     interface: &Interface,

@@ -1,4 +1,4 @@
-//! The plate condensed onto its contact points.
+//! The plate condensed onto its contact points, in two forms: by the Schur complement S, or by the flexibility P̃.
 
 use super::forward_rows::ForwardRows;
 use super::schur::Schur;
@@ -119,7 +119,8 @@ impl Interface {
     }
 
     /// Prescribes the displacements `travel` (m,) of the points in a forward substituted vector, and returns the
-    /// reactions (m,) of the points. If a row of G has several dofs, it returns an empty vector and changes nothing.
+    /// reactions (m,) of the points. If a row of G has several dofs, the function returns an empty vector and leaves
+    /// `forward` as it is.
     pub(in crate::contact) fn impose(&self, travel: &[f64], forward: &mut [f64]) -> Vec<f64> {
         let Some(stiffness) = &self.stiffness else { return Vec::new() };
         let reaction = stiffness.holding_forces(&stiffness.condensed_force(forward), travel);

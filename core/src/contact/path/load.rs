@@ -1,4 +1,4 @@
-//! The load of a path, the stops that are reported, and the ways in which a path ends.
+//! The load of a path, the stops that are reported, and how a path ends.
 
 use crate::contact::error::{SolveError, require_length};
 use crate::contact::problem::ContactProblem;
@@ -19,7 +19,7 @@ pub struct PathLoad<'a> {
 #[derive(Clone, Copy)]
 pub struct Stop<'a> {
     pub t: f64,
-    /// Points that change their piece at this stop; empty at the start and at the end.
+    /// Points that change their piece at this stop. The list is empty at the start and at the end of the path.
     pub switched: &'a [usize],
     /// The solution at this stop; its `piece` is the contact state after the stop.
     pub solution: &'a ContactSolution,
@@ -32,17 +32,17 @@ pub enum PathEnd {
     Reached,
     /// There is no further event for t → ∞. The last stop is a solution on the last segment at some larger t.
     Unbounded,
-    /// Beyond the last stop no reactions balance the load.
+    /// No reactions balance the load beyond the last stop.
     NoEquilibrium,
     /// The path has more events than [`MOST_EVENTS`].
     TooMany,
-    /// The contact state after the last stop, or at t = 0, is numerically singular.
+    /// The contact state at t = 0, or after the last stop, is numerically singular.
     Unsolved,
     /// The callback cancelled the path.
     Interrupted,
 }
 
-/// Largest number of events of a path.
+/// Largest number of events on a path.
 pub const MOST_EVENTS: usize = 100_000;
 
 impl PathLoad<'_> {

@@ -51,7 +51,7 @@ impl<'a> PathRecorder<'a> {
         }
         let Some(between) = between else {
             let switched = differing(&here.piece, &begin.piece);
-            // If no point changes its piece, nothing is reported.
+            // If no point changes its piece, the event is not reported.
             return switched.is_empty() || (self.visit)(Stop { t, switched: &switched, solution: &begin });
         };
         let start = ContactSolution { piece: between.clone(), ..here.clone() };

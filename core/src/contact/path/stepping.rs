@@ -71,7 +71,7 @@ impl<'a> PathTracer<'a> {
     /// Makes a line without events longer until the added load moves the plate by a considerable part of the largest
     /// gap. Returns the longer line on which an event appears, or `None` if no event appears.
     ///
-    /// Under little load, or far from a support, the first step may be too short to detect that a gap closes.
+    /// If the load is small, or supports are far away, the first step may be too short to detect a gap that closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
         let [t, mut far] = line.at;
         let gap = line.scales.travel.iter().fold(0.0, |most, &length| f64::max(most, length));

@@ -34,7 +34,8 @@ impl<'a> PathTracer<'a> {
         !self.interrupted
     }
 
-    /// The solution at the load factor t; `None` if there is none. `near` is a solution from which the solve starts.
+    /// The solution at the load factor t, or `None` without a solution. The solve starts from the solution `near`, if
+    /// present.
     pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<Option<ContactSolution>, SolveError> {
         some(self.solved(t, near))
     }
@@ -200,7 +201,7 @@ impl ContactProblem {
     /// Traces the path and calls `visit` at every stop; if `visit` returns false, the path ends. `watch` is called at
     /// every step of a solve and may cancel.
     ///
-    /// The first stop is the solution at t = 0. If there is no such solution, `visit` is not called.
+    /// The first stop is the solution at t = 0. Without a solution there, `visit` is not called.
     pub fn path(
         &self,
         load: &PathLoad,
