@@ -86,8 +86,8 @@ fn form_of(name: &str) -> PyResult<Form> {
 }
 
 impl ContactProblem {
-    /// Raises an error if an object belongs to another problem. If its sizes are equal, the mistake would not be
-    /// noticed.
+    /// Raises an error if an object belongs to another problem. If the sizes of both problems are equal, the mistake
+    /// would otherwise go unnoticed.
     pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
         if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
     }

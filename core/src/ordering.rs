@@ -7,7 +7,7 @@
 
 use crate::plate::Plate;
 
-/// Largest number of cells in a leaf of the dissection tree.
+/// Largest number of cells (elements or pairs of elements) in a leaf of the dissection tree.
 const LEAF: usize = 2;
 
 /// The dofs in elimination order, without the dofs of nodes that follow a leader. `pairs` are pairs of coupled

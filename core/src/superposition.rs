@@ -54,7 +54,8 @@ impl WithSimd for Superpose<'_> {
     }
 }
 
-/// Running maxima and minima (n,) of sums, and for each the number of the combination that attains it.
+/// Envelope of many sums (n,): the largest and smallest value of each entry, and the numbers of the combinations that
+/// attain them.
 pub struct Envelope<'a> {
     pub largest: &'a mut [f64],
     pub largest_by: &'a mut [i64],
@@ -230,7 +231,7 @@ impl WithSimd for Tile<'_, '_> {
     }
 }
 
-/// Computes N registers of a sum, from register `from` on, in registers.
+/// Computes N SIMD registers of a sum of vectors, from register `from` on.
 #[inline(always)]
 fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s], from: usize, out: &mut [S::f64s]) {
     let mut sums = [simd.splat_f64s(0.0); N];

@@ -237,8 +237,8 @@ impl Curve {
                 let apart = norm(axis);
                 let foot = 0.5 * (apart + (one.radius - two.radius) * (one.radius + two.radius) / apart);
                 let square = one.radius * one.radius - foot * foot;
-                // `foot` is not finite for concentric circles; `square` is negative for circles that are separate or
-                // nested.
+                // Circles without two common points: `foot` is not finite if they are concentric, `square` is negative
+                // if they are separate or nested.
                 if !(square > 0.0 && foot.is_finite()) {
                     return Vec::new();
                 }

@@ -19,8 +19,8 @@ pub struct Triangles {
     pub fixed: Vec<[bool; 3]>,
 }
 
-/// Largest circumradius of a triangle relative to the element size there. Half a square with sides of 1.42 sizes has
-/// 1.0.
+/// Largest circumradius of a triangle relative to the element size there. Half of a square whose sides are 1.42 times
+/// the element size has 1.0.
 const LARGE: f64 = 1.1;
 /// Largest circumradius, likewise, for [`Style::Loose`], where refinement adds most nodes. Distances of nodes are then
 /// 0.8 to 1.6 element sizes.

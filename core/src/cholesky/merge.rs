@@ -1,4 +1,5 @@
-//! Assembly of the update matrices of children into the front of their parent (Duff & Reid 1983).
+//! Adds the update matrices of children to the front of their parent, the dense matrix in which the parent's columns
+//! are eliminated (Duff & Reid 1983).
 
 use super::front::TILE;
 use crate::vectorized::vectorized;

@@ -166,7 +166,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// Update matrices of the part's roots, one after the other.
+    /// Update matrices of the part's roots, which wait for their parents, one after the other.
     left: Buffer,
 }
 

@@ -30,7 +30,7 @@ struct Share {
 }
 
 struct Supernode {
-    /// Index of the supernode's first value in the array of L of the part.
+    /// Index, in the part's array of entries of L, of the supernode's first entry.
     values: usize,
     columns: usize,
     height: usize,

@@ -83,7 +83,8 @@ impl Augmentation {
         (0..points.len()).map(of).collect()
     }
 
-    /// Stiffness (m,) of each point on its piece `piece(i)`, in series with the σ of a penalty.
+    /// Stiffness (m,) of each contact point on its piece `piece(i)`, in series with the augmentation compliance σ for
+    /// `penalty`.
     pub(super) fn slopes(&self, points: &Points, piece: impl Fn(usize) -> Piece, penalty: f64) -> Vec<f64> {
         let series = self.series(points, penalty);
         (0..points.len()).map(|i| piece(i).in_series(series[i])).collect()

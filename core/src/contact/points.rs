@@ -35,12 +35,12 @@ pub struct Points {
     pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
-    /// Displacement g·u (m,) at which s = 0: gap plus settlement, g in the theory.
+    /// Displacement g·u (m,) at which s = 0: gap plus settlement, called g in docs/theory.md.
     pub shift: Vec<f64>,
-    /// Force F₀ (m,) per unit force of the graph: an area, a length or a stiffness.
+    /// Force scale F₀ (m,): force per unit force of the graph, which is an area, a length or a stiffness.
     pub weight: Vec<f64>,
-    /// Displacement d (m,) per unit travel of the graph. It differs from 1 where a graph serves several laws that
-    /// differ only by their limits.
+    /// Travel scale d (m,): displacement per unit travel of the graph. It differs from 1 where a graph serves several
+    /// laws that differ only by their limits.
     pub unit: Vec<f64>,
     /// Lever arm (m,) of points whose reaction is a couple, otherwise 1. A reaction divided by `arm` is a force; a
     /// travel times `arm` is a length.

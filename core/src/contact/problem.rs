@@ -192,7 +192,7 @@ impl ContactProblem {
         displacement
     }
 
-    /// Prescribed values minus the nearest rigid motions (3n,); zero at free dofs.
+    /// Prescribed values of held dofs minus the rigid motions nearest to these values (3n,); zero at free dofs.
     pub(super) fn strained(&self, held_value: &[f64]) -> Vec<f64> {
         self.missed(held_value, &self.carried_along(held_value))
     }

@@ -111,7 +111,7 @@ pub(super) fn refine(
             if taken.is_empty() {
                 break;
             }
-            // Starts again without directions, since those taken have lost their orthogonality.
+            // The directions have lost their orthogonality; refinement starts again without them.
             taken.clear();
             continue;
         }

@@ -91,7 +91,7 @@ impl ContactSolution {
     }
 }
 
-/// Reference sizes of a residual: one force, and a travel (m,) for each point.
+/// Reference sizes by which a residual is divided: one force, and a travel (m,) for each contact point.
 pub(super) struct Sizes {
     pub(super) force: f64,
     travel: Vec<f64>,

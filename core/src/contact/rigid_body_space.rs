@@ -27,7 +27,8 @@ pub(super) struct RigidBodySpace {
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
-    /// GR (m, n) for the contact points, and the same product for the springs; both row by row.
+    /// Product of the rows of G with R, (m, n), for the contact points (`points`) and for the springs (`springs`), row
+    /// by row.
     points: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -67,12 +68,12 @@ impl RigidBodySpace {
         arms
     }
 
-    /// Row i (n,) of GR for the contact points.
+    /// Row i (n,) of GR for the contact points: displacement of point i in each of the n rigid motions.
     pub(super) fn of_point(&self, i: usize) -> &[f64] {
         &self.points[self.count * i..self.count * (i + 1)]
     }
 
-    /// Rows of GR for the springs, each (n,).
+    /// Rows of GR for the springs, each (n,): displacement of a spring in each of the n rigid motions.
     pub(super) fn of_springs(&self) -> impl Iterator<Item = &[f64]> {
         self.springs.chunks_exact(self.count)
     }

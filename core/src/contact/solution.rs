@@ -35,7 +35,7 @@ pub struct ContactSolution {
     pub iterations: usize,
     /// Number of conjugate gradient steps, summed over all Newton steps.
     pub gradients: usize,
-    /// Number of factorizations during the solve, after the one of the problem.
+    /// Number of factorizations during the solve, without the factorization of the problem itself.
     pub factorizations: usize,
     /// Number of corrections by iterative refinement.
     pub corrections: usize,

@@ -31,7 +31,7 @@ pub(super) struct KktPattern {
     is_multiplier_row: Vec<bool>,
     /// All multiplier rows, each with infinite compliance and so without force.
     absent: Vec<MultiplierRow>,
-    /// The springs of the plate whose rows have dofs of one or two elements.
+    /// The elastic supports (springs) whose rows have dofs of one or two elements.
     narrow: Springs,
     bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,

@@ -48,7 +48,7 @@ impl WithSimd for SubtractMultiples<'_> {
     }
 }
 
-/// Updates N registers of `target`, from register `from` on. The sums stay in registers.
+/// Updates N SIMD registers of `target`, from register `from` on. The sums stay in registers.
 #[inline(always)]
 fn subtract_in_strip<S: Simd, const N: usize>(
     simd: S,

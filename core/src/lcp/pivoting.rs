@@ -27,8 +27,8 @@ impl CoveredLcp<'_> {
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
-    /// z and w at a complementary basis. Negative values within rounding become zero. `None` if the basis is singular
-    /// or its z or w is infeasible.
+    /// z and w at a complementary basis. Negative values within rounding become zero. `None` if the basis is singular,
+    /// or if z or w has larger negative values.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
         let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };

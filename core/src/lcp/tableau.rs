@@ -30,7 +30,7 @@ const TOGETHER: usize = 128;
 struct Term {
     row: usize,
     column: usize,
-    /// Whether no earlier term has this row. From then on the row of the base counts as zero.
+    /// Whether this is the first term with this row. For later terms the row of the base counts as zero.
     first: bool,
 }
 

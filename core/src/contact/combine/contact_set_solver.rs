@@ -57,7 +57,7 @@ impl On<'_> {
         self.compliance.len()
     }
 
-    /// The coefficient of x_i in the equation of point i, if this equation has no other coefficient; otherwise `None`.
+    /// The coefficient of x_i in the equation of point i if x_i is its only unknown; otherwise `None`.
     fn alone(&self, i: usize) -> Option<f64> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
@@ -158,7 +158,7 @@ impl ContactSetSolver {
         if largest > 0.0 { 1.0 / largest } else { 1.0 }
     }
 
-    /// own_i + Σ_j part(i, moved_ij, reaction_ij) x_j for each point i, in double-double. `moved_ij` and `reaction_ij`
+    /// For each point i, own_i + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double. `moved_ij` and `reaction_ij`
     /// are travel and reaction of point i under point response j.
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();

@@ -27,8 +27,8 @@ pub struct LcpTemplate {
 
 /// Factored equations HΔx = b, where x are the unknowns of all points on their first pieces.
 enum Elimination {
-    /// H = I + SC, with forces as unknowns and the compliances C of the first pieces; `None` if all first pieces are
-    /// rigid.
+    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces. `None` if
+    /// all first pieces are rigid.
     Stiffness(Option<Lu>),
     /// H of the flexibility form. `alone` has each point whose column of H has a single entry, with this entry.
     /// `factor` is the factored block of H for the other points, `coupled`. `across` has the entries of H in rows of
@@ -242,7 +242,7 @@ impl Interface {
     }
 }
 
-/// Makes the matrix (I + SC)⁻¹S, which is symmetric except for rounding, exactly symmetric.
+/// Makes (I + SC)⁻¹S in `columns` exactly symmetric. It is symmetric except for rounding.
 fn symmetrize(rows: &[VertexRow], columns: &mut Mat<f64>) {
     let gap = |i: usize| rows.iter().position(|row| row.point == i && row.kind == Kind::Gap);
     let of_point: Vec<Option<usize>> = (0..columns.nrows()).map(gap).collect();

@@ -36,16 +36,19 @@ impl Work {
 
 /// Data for imposing the free motions that do not depend on the load.
 pub(super) struct FreeMotions {
-    /// `moves` is N_J, `dual` is WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
+    /// `moves` is N_J, the displacements under the free motions at the LCP rows J whose z is a gap. `dual` is
+    /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
     moves: Mat<f64>,
     dual: Mat<f64>,
-    /// Contact point of each row of J, then of each row of O.
+    /// Contact point of each LCP row whose z is a gap (rows J), then of each row whose z is a reaction (rows O).
     paired: Vec<usize>,
-    /// Work of the reactions at z = w = 0 in each of the free motions.
+    /// Work, in each free motion, of the reactions that the points have at z = w = 0.
     known: Vec<f64>,
-    /// For each row r of J, the sum Σ_c |M_rc| over the columns c of J, before the motions are imposed.
+    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free motions are
+    /// imposed.
     held: Vec<f64>,
-    /// Whether M_JJ is projected. M_JJ = S is not, because it keeps more digits of its soft modes without projection.
+    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected. If M is the Schur complement S, it is not:
+    /// without projection S keeps more digits of its soft modes.
     projected: bool,
     /// Each pair of rows for the two ends of one first piece: (row of the upper end, row of the lower end, length of
     /// the piece).
@@ -53,8 +56,8 @@ pub(super) struct FreeMotions {
 }
 
 impl Interface {
-    /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ. M_OJ gets the least change for
-    /// which M_OJ N_J = N_O.
+    /// Imposes the free motions on M, with N, J, O as in the module: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ.
+    /// M_OJ gets the least change for which M_OJ N_J = N_O.
     pub(super) fn impose_motions(
         &self,
         points: &Points,

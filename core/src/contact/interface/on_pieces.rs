@@ -22,7 +22,8 @@ pub(in crate::contact) struct OnPieces {
 
 enum Made {
     Nothing,
-    /// S plus the stiffness of the pieces on the diagonal, for the points that are not on rigid pieces.
+    /// Schur complement S plus the stiffness of the pieces on the diagonal, for the points that are not on rigid
+    /// pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }
@@ -81,14 +82,14 @@ impl Interface {
         Ok(())
     }
 
-    /// Entry (i, j) of I − P̃δ; `p` is P̃.
+    /// Entry (i, j) of I − P̃δ, the coefficient of the travel of point j; `p` is P̃.
     pub(super) fn travel_entry(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
         let through = -p[(i, j)] * self.delta[j];
         if i == j { 1.0 + through } else { through }
     }
 
-    /// Entry (i, j) of (I − P̃δ)c + P̃, with the compliance c of point j: the column of a point whose force depends on
-    /// its travel.
+    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j. c is the compliance of point j,
+    /// whose force depends on its travel.
     pub(super) fn holding_entry(&self, p: MatRef<'_, f64>, compliance: f64, i: usize, j: usize) -> f64 {
         let absorbed = self.absorbs(j, compliance);
         let through = if absorbed { 0.0 } else { p[(i, j)] * (1.0 - self.delta[j] * compliance) };

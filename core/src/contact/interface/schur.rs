@@ -5,7 +5,7 @@ use crate::dense::{self, OutOfMemory};
 use faer::Mat;
 
 pub(super) struct Schur {
-    /// S (m, m), by contact point.
+    /// The Schur complement S (m, m); row i and column i belong to contact point i.
     pub(super) matrix: Mat<f64>,
     /// `leading` is the number of columns of the factor before the trailing block L. `rows` has, for each contact
     /// point, the column of its dof in L and its coefficient.

@@ -20,7 +20,7 @@ impl<'a> CoarseSolver<'a> {
     /// every plate has a held dof, or if springs and points are as stiff as the plate.
     pub(super) fn by(problem: &'a ContactProblem, mut compliance: Vec<Option<f64>>) -> Option<Self> {
         let rigid_space = problem.rigid_space.as_ref()?;
-        // Rigid points are left out: they are constraints in the equations of the contact state.
+        // Rigid points are left out, since their equations are constraints of the contact state.
         compliance.iter_mut().for_each(|own| *own = own.filter(|&c| c > 0.0));
         let matrix =
             rigid_space.projected_stiffness(|i| compliance[i].map_or(0.0, |c| 1.0 / c), &problem.springs.stiffness);

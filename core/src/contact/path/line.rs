@@ -117,8 +117,8 @@ impl Line<'_> {
         self.breakpoints().into_iter().filter(leaves).collect()
     }
 
-    /// The t at which points reach the ends `crossed`. `None` unless it differs by less than `within` from `seen`, the
-    /// t from pivoting.
+    /// The t at which points reach the ends `crossed` of their pieces. `None` unless this t differs by less than
+    /// `within` from `seen`, the t from pivoting.
     pub fn root(&self, crossed: &[Breakpoint], seen: f64, within: f64) -> Option<f64> {
         let span = self.at[1] - self.at[0];
         let falling = crossed.iter().copied().filter(|&breakpoint| self.fall(breakpoint) > 0.0);

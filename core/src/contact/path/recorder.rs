@@ -19,7 +19,7 @@ pub(super) struct PathRecorder<'a> {
 }
 
 impl<'a> PathRecorder<'a> {
-    /// Makes a recorder whose stored solution is the one at t = 0.
+    /// Makes a recorder with `first`, the solution at t = 0, as stored solution.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
         let none = vec![0.0; first.gap.len()];
         let scales = Scales { force: none.clone(), travel: none };

@@ -43,7 +43,7 @@ impl<'a> PathTracer<'a> {
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // Makes the line longer, since extrapolation beyond its end is less exact than interpolation.
+                // The line is made longer, since extrapolation beyond its end is less exact than interpolation.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
                     (to, breakpoints) = self.next_event(&line, t);
