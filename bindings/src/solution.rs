@@ -65,7 +65,7 @@ impl ContactSolution {
         PyArray1::from_slice(py, &self.inner.gap)
     }
 
-    /// For each point (m,), the number of the piece of its law that it is on.
+    /// For each point (m,), the number of the piece of its law on which the point is.
     #[getter]
     fn piece<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_slice(py, &self.inner.piece)

@@ -173,7 +173,8 @@ impl Incidence {
     }
 }
 
-/// The matrix K: element matrices, springs and bedding, bordered by multiplier rows.
+/// The matrix K: the sum of element matrices, springs and bedding (springs on deflections), bordered by multiplier
+/// rows.
 ///
 /// The terms of an entry are summed each time the entry is read. Every reader gets the same sum.
 pub struct Assembly<'a> {

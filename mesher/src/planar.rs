@@ -27,6 +27,7 @@ impl Source {
     }
 }
 
+/// A side of the outline or a followed line, with the vertices on it.
 struct Track {
     curve: Curve,
     of: Source,

@@ -1,4 +1,4 @@
-//! Shape quality of elements.
+//! Shape quality of elements, measured by the sines of their corner angles.
 
 use crate::geometry::{Point, cross, dot, sub, turn};
 use crate::triangles::NONE;

@@ -31,7 +31,7 @@ const THIN: f64 = 1.42;
 const ROUNDS: usize = 24;
 
 impl Triangles {
-    /// Triangulates the seeds. Adds nodes where triangles are too large or too thin.
+    /// Triangulates the initial nodes `seeds`. Adds nodes where triangles are too large or too thin.
     ///
     /// # Errors
     ///

@@ -228,7 +228,7 @@ impl Search<'_> {
         distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
     }
 
-    /// Whether the path to the stop `at` has used an element.
+    /// Whether the path of the search to the stop `at` has passed through `element`.
     fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
         while at != NONE {
             if stops[at].into == element {

@@ -1,4 +1,4 @@
-//! Errors of the factorization.
+//! The error type of the factorization.
 
 use crate::dense;
 

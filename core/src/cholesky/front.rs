@@ -25,7 +25,7 @@ const DEPTH: usize = 256;
 /// neighbours in a row are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
-/// Workspace of the dense elimination.
+/// Allocates the workspace of the dense elimination; `None` if there is not enough memory.
 pub(super) fn scratch() -> Option<MemBuffer> {
     MemBuffer::try_new(cholesky_in_place_scratch::<f64>(BLOCK, Par::Seq, Default::default())).ok()
 }

@@ -17,7 +17,7 @@ pub(super) struct Part {
     pub(super) supernodes: Range<usize>,
     /// Supernodes of this part whose parents are in another part.
     pub(super) roots: Vec<usize>,
-    /// The part that contains the parents of `roots`, or [`NONE`].
+    /// The part that contains the parents of `roots`; [`NONE`] if the roots have no parent.
     pub(super) parent: u32,
     /// Parts whose `parent` is this part, in order.
     pub(super) children: Vec<usize>,

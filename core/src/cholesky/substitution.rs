@@ -10,7 +10,7 @@ use super::tree::Tree;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The data that forward and backward substitution need of each part.
+/// For each part of the elimination tree, the data for forward and backward substitution.
 pub(super) struct Schedule(Vec<Share>);
 
 /// The data of one part for substitution: its supernodes in elimination order, and the rows in which their columns have

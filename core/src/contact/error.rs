@@ -1,4 +1,4 @@
-//! Reasons why a contact problem has no solution.
+//! The error type of contact problems.
 
 use crate::cholesky::FactorError;
 use crate::dense::OutOfMemory;

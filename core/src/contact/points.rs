@@ -282,12 +282,12 @@ impl Points {
         self.piece(i, self.graph(i).steepest())
     }
 
-    /// For each point (m,), whether its force depends on its travel on the given piece.
+    /// For each point (m,), whether its force depends on its travel on its piece in `pieces`.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// For each point (m,), whether it can have a force on the given piece. Open points have none.
+    /// For each point (m,), whether it can have a force on its piece in `pieces`. Open points have none.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()

@@ -126,7 +126,7 @@ impl ContactProblem {
     }
 }
 
-/// For each point (m,), s₀ − g·u + (r − r₀)/k on the given piece, see [`Residual::violation`].
+/// For each point (m,), s₀ − g·u + (r − r₀)/k on its piece in `pieces`, see [`Residual::violation`].
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();

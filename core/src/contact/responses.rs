@@ -113,7 +113,7 @@ impl ContactProblem {
 }
 
 impl Responses<'_> {
-    /// Whether x is the displacement of the points, which is then prescribed.
+    /// Whether the factors x are displacements of the points, which are then prescribed. Otherwise they are forces.
     fn imposed(&self) -> bool {
         self.interface.better_form() == Form::Stiffness
     }

@@ -28,7 +28,7 @@ pub struct ContactSolution {
     pub reaction: Vec<f64>,
     /// Travel (m,) from each point on a horizontal piece to the reference vertex of this piece; 0 on other pieces.
     pub gap: Vec<f64>,
-    /// Number (m,) of the piece of its law that each point is on.
+    /// For each point (m,), the number of the piece of its law on which the point is.
     pub piece: Vec<u8>,
     pub pivots: usize,
     /// Number of Newton steps of the solve.

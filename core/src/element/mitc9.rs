@@ -66,7 +66,7 @@ static GAUSS_POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| {
     std::array::from_fn(|_| points.next().expect("nine points"))
 });
 
-/// The four tying points on edges of γξ, and of γη.
+/// For γξ and for γη, the four points on edges at which the component is tied.
 static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
     std::array::from_fn(|component| {
         std::array::from_fn(|tie| {

@@ -6,7 +6,7 @@ use super::number::Number;
 /// A linear elastic material of a plate, isotropic or anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    /// Largest Young's modulus of the material over all directions; it scales forces.
+    /// Largest Young's modulus of the material over all directions, for reference forces.
     pub young: f64,
     /// Rigidities of a plate of this material with thickness 1.
     pub unit: Section,
@@ -137,7 +137,7 @@ pub enum Thickness {
 /// Sections of those elements inside which the thickness jumps, at each of their points, element by element.
 #[derive(Clone, Debug, Default)]
 pub struct Layered {
-    /// Indices of these elements, in increasing order.
+    /// Indices of the elements inside which the thickness jumps, in increasing order.
     pub element: Vec<usize>,
     pub section: Vec<Section>,
 }

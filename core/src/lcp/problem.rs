@@ -82,11 +82,11 @@ pub struct LcpSolution {
 pub struct Residuals {
     /// Error of z ≥ 0: max_i −z_i / max_j |z_j|.
     pub negative_z: f64,
-    /// Error of w ≥ 0: max_i −w_i / t_i.
+    /// Error of w ≥ 0: max_i −w_i / t_i, with t_i as in [`Residuals`].
     pub negative_w: f64,
-    /// Error of zᵀw = 0: max_i |z_i w_i| / W.
+    /// Error of zᵀw = 0: max_i |z_i w_i| / W, with W as in [`Residuals`].
     pub complementarity: f64,
-    /// Error of w = Mz + q: max_i |w_i − (Mz)_i − q_i| / t_i.
+    /// Error of w = Mz + q: max_i |w_i − (Mz)_i − q_i| / t_i, with t_i as in [`Residuals`].
     pub equation: f64,
 }
 

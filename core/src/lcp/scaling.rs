@@ -19,7 +19,7 @@ impl CoveredLcp<'_> {
         self.q.len()
     }
 
-    /// Entry (i, j) of M′.
+    /// Entry (i, j) of the scaled matrix M′.
     pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
         self.matrix[i * self.order() + j] * self.units[i] * self.units[j]
     }
@@ -110,7 +110,7 @@ impl Scaling {
         (scaled, self.load / size)
     }
 
-    /// D q/σ (m,), with σ computed from this q.
+    /// The scaled vector D q/σ (m,), with σ computed from this q.
     pub(super) fn scale_q(&self, q: &[f64]) -> Vec<f64> {
         let load = load_of(q, &self.diagonal);
         q.iter().zip(&self.diagonal).map(|(a, d)| a * d / load).collect()

@@ -44,9 +44,9 @@ pub(super) struct Tableau<'a> {
     /// The base, column-major. The list is empty as long as the base equals M′ and the covering vector.
     base: Vec<f64>,
     terms: Vec<Term>,
-    /// U, column-major. Each column of U is zero in the rows of later terms.
+    /// The matrix U of T = base − U V, column-major. Each column of U is zero in the rows of later terms.
     left: Vec<f64>,
-    /// L, column-major, of order `block`.
+    /// The matrix L of V = L⁻¹ × rows of the base, column-major, with columns of length `block`.
     lower: Vec<f64>,
     pub(super) values: Vec<f64>,
     /// Column of T that belongs to the entering variable.
@@ -126,7 +126,7 @@ impl<'a> Tableau<'a> {
         self.place[variable] - self.order
     }
 
-    /// Entry (i, j) of the base.
+    /// Entry (i, j) of the base: of T without the collected terms.
     fn base_entry(&self, i: usize, j: usize) -> f64 {
         match self.base.get(j * self.stride + i) {
             Some(&entry) => entry,

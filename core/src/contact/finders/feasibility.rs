@@ -1,4 +1,4 @@
-//! Finds contact points that are beyond the bounds of their pieces.
+//! Finds contact points that are beyond an end of their present piece of the law.
 
 use crate::contact::backend::Backend;
 use crate::contact::points::PointState;

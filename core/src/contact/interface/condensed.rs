@@ -28,7 +28,7 @@ pub(in crate::contact) struct Interface {
 pub(super) struct Flexibility {
     /// The rows of G after forward substitution with the factor of K̃.
     pub(super) rows: ForwardRows,
-    /// P̃ = GK̃⁻¹Gᵀ (m, m).
+    /// Flexibility P̃ = GK̃⁻¹Gᵀ (m, m) of the plate at the contact points.
     pub(super) matrix: Mat<f64>,
 }
 

@@ -8,7 +8,7 @@ pub struct Vertices {
     /// The k rows, ordered by their unknown z: gaps of points that start in contact, reactions of points that start
     /// open, then further vertices.
     pub rows: Vec<VertexRow>,
-    /// Number of the first piece (m,) of each point, on which it starts.
+    /// For each point (m,), the number of its first piece, on which the point starts.
     pub(super) base: Vec<u8>,
 }
 

@@ -29,7 +29,7 @@ impl Scales {
     }
 }
 
-/// The lower or upper end of the present piece of a point.
+/// The lower or upper end of the piece of the law on which a contact point is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Breakpoint {
     pub point: usize,

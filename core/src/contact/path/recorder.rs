@@ -26,7 +26,7 @@ impl<'a> PathRecorder<'a> {
         Self { visit, arrived: Arrival { solution: first, scales }, begun: false }
     }
 
-    /// The stored solution, which is that at the end of the last line.
+    /// The stored solution: that at the end of the last line (segment) of the path.
     pub fn here(&self) -> &ContactSolution {
         &self.arrived.solution
     }

@@ -105,7 +105,7 @@ impl<'a> PathTracer<'a> {
         Some(same)
     }
 
-    /// Largest nodal force of f₀ plus span(t) times the largest nodal force of f₁.
+    /// Reference force of the load at t: the largest nodal force of f₀ plus span(t) times that of f₁.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
