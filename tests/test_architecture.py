@@ -223,6 +223,15 @@ def rust_faults(source: Path) -> list[str]:
     return found
 
 
+def test_a_module_assigns_each_name_once() -> None:
+    """A second assignment would change the meaning of all uses of the first one."""
+    for path in PACKAGE.rglob("*.py"):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        targets = [getattr(one, "targets", None) or [getattr(one, "target", None)] for one in body]
+        names = [target.id for of in targets for target in of if isinstance(target, ast.Name)]
+        assert len(names) == len(set(names)), path
+
+
 def test_uses_of_the_core_run_one_way() -> None:
     assert rust_faults(ROOT / "core" / "src") == []
 

@@ -35,7 +35,7 @@ solution takes a second or two.
 """
 
 
-_GROWTH = 1.3
+_WORK_EXPONENT = 1.3
 """Approximate exponent p of the solution time, which grows as (number of elements)^p."""
 
 
@@ -54,7 +54,7 @@ class OtherMesh:
     @property
     def work(self) -> float:
         """Estimated solution time, relative to the time on the model's own mesh."""
-        return math.pow(self.factor, -2.0 * _GROWTH)
+        return math.pow(self.factor, -2.0 * _WORK_EXPONENT)
 
 
 def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
