@@ -227,8 +227,9 @@ def test_a_module_assigns_each_name_once() -> None:
     """A second assignment would change the meaning of all uses of the first one."""
     for path in PACKAGE.rglob("*.py"):
         body = ast.parse(path.read_text(encoding="utf-8")).body
-        targets = [getattr(one, "targets", None) or [getattr(one, "target", None)] for one in body]
-        names = [target.id for of in targets for target in of if isinstance(target, ast.Name)]
+        plain = [target for one in body if isinstance(one, ast.Assign) for target in one.targets]
+        targets = plain + [one.target for one in body if isinstance(one, ast.AnnAssign)]
+        names = [target.id for target in targets if isinstance(target, ast.Name)]
         assert len(names) == len(set(names)), path
 
 
