@@ -66,7 +66,7 @@ def minimise_with_prices(
     start, index, value = _by_rows(rows)
     program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     program.a_matrix_.start_, program.a_matrix_.index_, program.a_matrix_.value_ = start, index, value
-    solver: Any = Quiet()  # The type stubs of highspy are incomplete.
+    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # The type stubs of highspy are incomplete.
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)

@@ -116,7 +116,7 @@ class Listed(tuple[_V, ...]):
 
     def _ipython_key_completions_(self) -> list[str]:
         """Names for completion in a notebook."""
-        return [item.name for item in self]  # Every item has a name.
+        return [item.name for item in self]  # type: ignore[attr-defined]  # Every item has a name.
 
 
 class Named(dict[str, _V]):

@@ -301,9 +301,9 @@ def written_at(support: Support, positions: Floats) -> Iterator[tuple[str, str, 
         yield "order", "", np.broadcast_to(np.array(support.order, np.float64), len(positions))
 
 
-def has_constant_gap(support: Support) -> bool:
-    """Whether the gap of a support is constant."""
-    return support.gap.is_constant
+def has_constant_base(support: Support) -> bool:
+    """Whether both the settlement and the gap of a support are constant."""
+    return support.settlement.is_constant and support.gap.is_constant
 
 
 def base_jumps(support: Support) -> bool:

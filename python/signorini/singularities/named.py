@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import base_jumps, has_constant_gap, is_unyielding
+from signorini.discretise.laws import base_jumps, has_constant_base, is_unyielding
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Support
@@ -227,7 +227,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
     """Yield edges and corners of a plate on a rigid area, unless the plate lies flat under pressure only."""
     model, edge = discretisation.model, boundary_of(discretisation)
-    flat = len(model.support) == 1 and has_constant_gap(support)
+    flat = len(model.support) == 1 and has_constant_base(support)
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
     for loop in edge.loops():
