@@ -74,7 +74,8 @@ impl Analysis {
     }
 }
 
-/// Factor A = L S Lᵀ of a matrix whose columns are in elimination order. S = 1 if all pivots are positive.
+/// Factor A = L S Lᵀ of a matrix whose columns are in elimination order; S is diagonal with entries ±1, the signs of the
+/// pivots.
 pub struct Factor {
     pattern: Arc<Pattern>,
     /// Entries of L, one array for each part of the elimination tree.

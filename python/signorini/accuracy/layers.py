@@ -97,7 +97,7 @@ def unseen_at_edges(
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[key]) for key in _ends("mxy") if key in numbers]
-    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # edges parallel to x and y
+    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # every edge is parallel to x or y
         most = np.maximum(*peaks)
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())

@@ -229,7 +229,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def no_others(self) -> str:
-        """Reason why meshes for a table's estimate are missing; empty if two other meshes were solved."""
+        """Why another mesh for the table's estimate is missing; empty if both were solved or there is no table."""
         return "" if self.of_table is None else self.of_table.why
 
 

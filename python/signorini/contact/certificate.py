@@ -344,9 +344,12 @@ class _Answers:
 
     @cached_property
     def least_force(self) -> Floats:
-        """Least reference force (k,): the largest preload, or the rounding of bending or of cancelling loads.
+        """Lower bound (k,) of the reference force, so that rounding does not count as an error.
 
-        Without loads it is also at least the rounding of shear forces, from the deflection or the travels.
+        It is the largest of three forces: the largest preload; `_UNSEEN` D w / a², the rounding of the force that bends
+        the plate, with w the deflection without rigid motion and a the plate's size; `_CANCELLED` times the magnitude
+        of the loads whose sum is this load. If the load is zero, w is `length`, and the bound is also at least E h
+        times the rounding of `length`, and E h times the largest `travel`.
         """
         discretisation, size = self.discretisation, self.discretisation.mesh.size
         part = np.minimum(np.abs(bending_part(discretisation, self.hi[:, ::3])), self.length[:, None])

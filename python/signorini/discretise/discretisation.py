@@ -373,8 +373,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
             with problems.collected():
                 raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
     problems.raise_collected()
+    # With supports between plates this is one of several plates; `plates` then checks the domain, with those supports.
     if not any(support.between for support in model.support):
-        # For one of several plates, `plates` checks the domain later, with the supports between plates.
         require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.raise_collected()
     contacts, repeated = that_can_act(model, mesh, held, contacts)

@@ -47,7 +47,10 @@ STRIP = 1e-2
 MOST = 0.25
 """Largest area that all outline points of an element represent together, relative to the element's area."""
 _ON_OUTLINE = 1e-4
-"""Tolerance for points on a convex hull, relative to the plate's diameter: the hull of a circle is a polygon."""
+"""Tolerance for points on a convex hull, relative to the plate's diameter.
+
+Circles are replaced by polygons, so that points on a circle are slightly off the hull.
+"""
 _APART = 0.25
 """Least distance between points on an outline, relative to the element's size."""
 _FOUR = 4

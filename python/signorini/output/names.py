@@ -115,7 +115,10 @@ def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]
 
 
 def lines_on(results: Results, plate: str) -> list[int]:
-    """Indices, in the model's list of supports, of the line supports of one plate."""
+    """Indices, in the model's list of supports, of the line supports of one plate.
+
+    A line support between two plates is listed for the first of them.
+    """
     owned = {one.name: one.numbers["support"] for one in results.discretisation.members}[plate]
     between = [support.between for support in results.model.support]
     lines = results.combined.layout.lines

@@ -65,7 +65,10 @@ def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark
 
 
 def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
-    """Draw the title of a panel and its colour bar, the latter on ``bar``, if not None; return the colour scale."""
+    """Draw the title of a panel and its colour bar; return the colour scale.
+
+    The colour bar is drawn on the axes ``bar``; if None, on new axes beside ``axes``.
+    """
     scale = Scale.of(panel)
     add_colour_bar(axes, scale, panel.label, bar)
     if panel.title:

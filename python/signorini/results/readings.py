@@ -353,7 +353,7 @@ class SupportReading:
 
     @property
     def pieces(self) -> Ints:
-        """Pieces (k, p) of the law on which the points are."""
+        """Index (k, p) of the piece of its law on which each point is."""
         return np.array([self.points.pieces(self.of.discretisation, one.piece) for one in self.of.answers])
 
     @property

@@ -248,7 +248,7 @@ class Block:
     values: Floats  # (k, n): numbers of each row in the order of the layout's catalogue
     reaction: Floats  # (k, p): reactions of every point of every support
     closed: Bools  # (k, p): whether each point is closed
-    # (k, p): whether each point touches the plate at rest, but the plate has moved away from it
+    # (k, p): whether the plate has lifted off each point: without gap at w = 0, but open in this row
     lifted: Bools
     on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
@@ -311,7 +311,10 @@ class Block:
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
     def put_supports(self, rows: Ints, layout: Layout, member: PlateLayout, readings: Readings) -> None:
-        """Fill the support columns of rows (r,) for one plate, from sums of readings."""
+        """Fill the support columns of rows (r,) for one plate.
+
+        ``readings`` are those of the r combinations, superposed from load cases and contact points.
+        """
         if layout.at_rest:
             self.on_areas[rows] = readings.linear.on_areas
         for index, of in zip(member.plate.numbers["support"], readings.supports, strict=True):
