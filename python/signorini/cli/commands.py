@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, import-dxf, schema."""
+"""The command line: solve, check, path, verify, import-dxf, schema."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Annotated, Literal
 
@@ -59,6 +60,9 @@ app = typer.Typer(
 NoError = Annotated[
     bool, typer.Option("--no-error", help="Do not estimate mesh errors (±), as with mesh.error = false.")
 ]
+Threads = Annotated[
+    int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
+]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
 
@@ -103,9 +107,7 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
-    ] = None,
+    threads: Threads = None,
     pictures: Annotated[
         Literal["all", "governing", "none"] | None,
         typer.Option(
@@ -129,9 +131,7 @@ def solve(
         from signorini.output.names import TABLE
         from signorini.output.writing import write_results
 
-        if threads is not None:
-            # Rust reads this variable when its threads start, at their first use.
-            os.environ["RAYON_NUM_THREADS"] = str(threads)
+        _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
@@ -263,6 +263,39 @@ def path(
                     "reactions at the contact points of this mesh do not. Refine the mesh at the supports"
                 )
             raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond it {why}.")
+
+
+@app.command(
+    short_help="Solve the model in results again, compare all numbers.",
+    epilog="Example: signorini verify slab-results/results.json. Exit codes: 0 equal, 1 not equal, 2 bad file.",
+)
+def verify(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A results.json, a path.json or a report.", show_default=False)
+    ],
+    threads: Threads = None,
+) -> None:
+    """Solve the model that is embedded in a file of results, with the same options; name every value that differs.
+
+    Differences by rounding, up to 1e-7 of the largest number of the same kind, count as equal.
+    """
+    with _messages():
+        from signorini.cli.verification import print_verification
+        from signorini.output.verification import verified
+
+        _limit(threads)
+        with TemporaryDirectory() as room, progress_line() as show, interrupts.exit_on_signal(Path(room)):
+            verification = verified(file, show, Path(room))
+        print_verification(streams.stdout(), verification)
+        if not verification.equal:
+            raise typer.Exit(1)
+
+
+def _limit(threads: int | None) -> None:
+    """Limit the threads of the core."""
+    if threads is not None:
+        # Rust reads this variable when its threads start, at their first use.
+        os.environ["RAYON_NUM_THREADS"] = str(threads)
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:

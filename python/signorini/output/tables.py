@@ -12,6 +12,7 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
+from signorini.model import Model
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
@@ -47,7 +48,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json({"pictures": pictures}),
+        **results.model.provenance.json({"pictures": pictures, **_alone(results.model)}),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -78,6 +79,13 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
+
+
+def _alone(model: Model) -> dict[str, Any]:
+    """Option of a result that is written by itself: its combination."""
+    if model.combination == model.original.combination:
+        return {}
+    return {"combination": model.combination[0].model_dump(include={"name", "group", "factors"})}
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:
