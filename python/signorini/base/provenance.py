@@ -78,7 +78,7 @@ class Provenance:
                 "sha256": self.sha256,
                 "model": (model := json.loads(self.text)),
                 "model_sha256": sha256_of(model),
-                "files": [_embedded(file) for file in dict.fromkeys(one["file"] for one in tables_with_files(model))],
+                "files": [_embedded(file) for file in dict.fromkeys(one["file"] for one in tables_with("file", model))],
             },
             "options": dict(options),
         }
@@ -95,12 +95,12 @@ def sha256_of(model: Any) -> str:
     return _sha256(_compact(model))
 
 
-def tables_with_files(node: Any) -> Iterator[dict[str, Any]]:
-    """Yield the tables of an input that name a file: mesh files, and CSV files of factors and of stiffnesses."""
-    if isinstance(node, dict) and isinstance(node.get("file"), str):
+def tables_with(key: str, node: Any) -> Iterator[dict[str, Any]]:
+    """Yield the tables of an input that have a text under a key: "file" names mesh files and CSV files."""
+    if isinstance(node, dict) and isinstance(node.get(key), str):
         yield node
     for value in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        yield from tables_with_files(value)
+        yield from tables_with(key, value)
 
 
 def _embedded(file: str) -> dict[str, str | None]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import copy
 import hashlib
 import json
@@ -11,10 +10,9 @@ import math
 import os
 import re
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from html.parser import HTMLParser
 from itertools import zip_longest
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
@@ -27,72 +25,48 @@ from signorini.analysis.solve import solve
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.progress import Watcher
-from signorini.base.provenance import FUNCTION, LARGEST_EMBEDDED, sha256_of, tables_with_files
+from signorini.base.provenance import FUNCTION, LARGEST_EMBEDDED, sha256_of, tables_with
 from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
 from signorini.model import Combination, Model, validate
 from signorini.output.load_path import path_json
 from signorini.output.tables import results_json
-from signorini.results.quantities import (
-    AT_BOLTS,
-    AT_CORNERS,
-    AT_PROBES,
-    MEANS,
-    OF_AREAS,
-    OF_BOLTS,
-    OF_LIMITED_AREAS,
-    OF_LINES,
-    OF_POINTS,
-    OF_STRIPS,
-    OF_SUPPORTS,
-    OF_TURNING_POINTS,
-    PICTURED,
-    THROUGH,
-    Path,
-)
+from signorini.results import quantities as registry
+from signorini.results.quantities import Path
 
-EMBEDDED = "signorini-results"
-"""``id`` of the element of a report that contains results.json."""
 TOLERANCE = 1e-7
 """Tolerance relative to the largest number of the same kind; certificates allow errors of 1e-8."""
 _OF_WIDTHS = 0.0101
 """Relative tolerance for half-widths: one unit in the last of their three digits."""
-_OF_SENTENCES = 1e-3
-"""Relative tolerance for numbers within sentences, which have four to six digits."""
 _LARGEST_FILE = 1_000_000_000
 """Largest size in bytes of a file that is verified."""
 _NOT_RESULTS = ("program", "input", "options", "seconds")
 _OF_PATHS = ("add", "until", "steps", "at", "when", "events")
 """Options of a path."""
-_SENTENCES = {"message", "warnings", "advice", "what", "kind", "mechanism"}
-_PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
-_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+_IN_REPORT = re.compile(r'<script\b[^>]*\bid="signorini-results"[^>]*>(.*?)</script>', re.DOTALL)
+"""Element of a report that contains results.json."""
 _ABSENT = object()
 
-_SUPPORTS = (*OF_SUPPORTS, *OF_AREAS, *OF_LINES, *OF_LIMITED_AREAS, *OF_BOLTS)
-_POINTS = (*OF_POINTS, *OF_TURNING_POINTS, *AT_BOLTS, AT_CORNERS)
+_PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
+_OF_SUPPORTS = (*registry.OF_SUPPORTS, *registry.OF_AREAS, *registry.OF_LINES, *registry.OF_LIMITED_AREAS)
+_OF_POINTS = (*registry.OF_POINTS, *registry.OF_TURNING_POINTS, *registry.AT_BOLTS)
 _QUANTITIES = {
-    "supports": _SUPPORTS,
-    "contacts": _SUPPORTS,
-    "points": _POINTS,
-    "nodes": _POINTS,
-    "corners": _POINTS,
-    "probes": AT_PROBES,
-    "sections": THROUGH,
-    "strips": OF_STRIPS,
-    "stations": (*MEANS, *PICTURED.values()),
-    "": tuple(PICTURED.values()),
+    **dict.fromkeys(("supports", "contacts"), (*_OF_SUPPORTS, *registry.OF_BOLTS)),
+    **dict.fromkeys(("points", "nodes", "corners", "joints"), _OF_POINTS),
+    "probes": registry.AT_PROBES,
+    "sections": registry.THROUGH,
+    "strips": registry.OF_STRIPS,
+    "stations": (*registry.MEANS, *registry.PICTURED.values()),
+    "": tuple(registry.PICTURED.values()),
 }
-"""Quantities by the list that contains them."""
+"""Quantities by the list that contains them; "" for all other lists."""
 _KINDS = {
-    owner: {key: quantity.kind for quantity in of for key in (quantity.path[0], quantity.name)}
-    for owner, of in _QUANTITIES.items()
-} | {
-    "line": {"reaction": "per_length", "couple": "moment"},
-    "joints": {"reaction": "reaction", "preload": "reaction"},
-    "governing_reactions": dict.fromkeys(("max", "min", "max_with", "min_with"), "reaction"),
+    owner: {key: one.kind for one in quantities for key in (one.path[0], one.name)}
+    for owner, quantities in _QUANTITIES.items()
 }
-_SAME = {"force": "reaction", "corner": "reaction", "shear_stress": "stress"}
+_KINDS["line"] = {"reaction": "per_length", "couple": "moment"}
+_KINDS["governing_reactions"] = dict.fromkeys(("max", "min", "max_with", "min_with"), "reaction")
+_SAME = {"force": "reaction", "shear_stress": "stress"}
 """Kinds that are compared with numbers of another kind of the same unit."""
 
 
@@ -123,7 +97,7 @@ class Difference:
     @property
     def difference(self) -> float | None:
         """Stored minus computed value; None if one of them is no number."""
-        return _real(self.stored) - _real(self.computed) if _numbers(self.stored, self.computed) else None
+        return self.stored - self.computed if _numbers(self.stored, self.computed) else None
 
 
 @dataclass(frozen=True)
@@ -138,8 +112,6 @@ class Verification:
         Values that differ within the tolerance. On the same processor with the same version there are none.
     compared : int
         Number of compared values.
-    not_compared : tuple of str
-        Keys of the file that are no results.
     version : str
         Version of the program that wrote the file.
     """
@@ -147,8 +119,9 @@ class Verification:
     differences: tuple[Difference, ...]
     rounding: tuple[Difference, ...]
     compared: int
-    not_compared: tuple[str, ...]
     version: str
+
+    not_compared = ("program", "input.file", "input.sha256", "options", "seconds")
 
     @property
     def equal(self) -> bool:
@@ -160,9 +133,6 @@ class Verification:
 def verify(path: str | os.PathLike[str], progress: Watcher | None = None) -> Verification:
     """Solve the model embedded in a file again, with the same options, and compare every value.
 
-    Numbers are equal if they differ by at most 1e-7 of the largest number of their kind. Half-widths may differ by one
-    unit in their third digit. Certificate errors are compared with 1.
-
     Parameters
     ----------
     path : path-like
@@ -173,6 +143,7 @@ def verify(path: str | os.PathLike[str], progress: Watcher | None = None) -> Ver
     Returns
     -------
     Verification
+        Numbers are equal if they differ by at most 1e-7 of the largest number of their kind.
 
     Raises
     ------
@@ -196,7 +167,7 @@ def verify(path: str | os.PathLike[str], progress: Watcher | None = None) -> Ver
     ...     changed = file.with_name("changed.json")
     ...     _ = changed.write_text(file.read_text("utf-8").replace('"elements": 16', '"elements": 17'), "utf-8")
     ...     verify(file).equal, [(one.place, one.difference) for one in verify(changed).differences]
-    (True, [('model.elements', 1.0)])
+    (True, [('model.elements', 1)])
     """
     file = FilePath(arguments.path(path, "a file of results", "path"))
     with TemporaryDirectory() as room:
@@ -207,28 +178,25 @@ def verified(file: FilePath, watcher: Watcher, room: FilePath) -> Verification:
     """Verify a file as `verify` does; embedded files are unpacked into the directory ``room``."""
     stored = _read(file)
     given: Mapping[str, Any] = stored["input"]
-    differences = list(_hashes(given))
     try:
-        computed = _solved_again(stored, _model(given, file, room), watcher)
+        computed = json.loads(json.dumps(_solved_again(stored, _model(given, file, room), watcher)))
     except SignoriniError as error:
         raise InputError(f"its model cannot be solved again: {error}", place=str(file)) from None
-    other = {key: value for key, value in stored.items() if key not in _NOT_RESULTS}
-    again = {key: value for key, value in json.loads(json.dumps(computed)).items() if key not in _NOT_RESULTS}
-    pairs = list(_pairs(other, again))
-    rounding = list[Difference]()
-    for difference, small in _compared(pairs):
-        (rounding if small else differences).append(difference)
-    skipped = ("program", "input.file", "input.sha256", "options", "seconds")
-    present = tuple(key for key in skipped if key.removeprefix("input.") in (given if "." in key else stored))
-    version = str(_table(stored.get("program")).get("version", ""))
-    return Verification(tuple(differences), tuple(rounding), len(pairs) + 1, present, version)
+    trees = ({key: value for key, value in of.items() if key not in _NOT_RESULTS} for of in (stored, computed))
+    pairs = [(("input", "model_sha256"), given.get("model_sha256"), sha256_of(given["model"])), *_pairs(*trees)]
+    found = list(_compared(pairs))
+    differences, rounding = (tuple(one for one, small in found if small == kind) for kind in (False, True))
+    return Verification(differences, rounding, len(pairs), str(_table(stored.get("program")).get("version", "")))
 
 
 def _read(file: FilePath) -> dict[str, Any]:
     """Read a results.json or path.json, or the results.json of a report."""
     try:
         text = read_regular(file, _LARGEST_FILE).decode("utf-8-sig")
-        stored = json.loads(text if text.lstrip().startswith("{") else _of_report(text))
+        if not text.lstrip().startswith("{"):
+            (text,) = _IN_REPORT.findall(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+        # A longer integer is beyond the range of a float.
+        stored = json.loads(text, parse_int=lambda digits: int(digits) if len(digits) < 300 else float(digits))
     except OSError as error:
         raise InputError(f"the file cannot be read: {error.strerror or error}.", place=str(file)) from None
     except (ValueError, RecursionError):
@@ -239,87 +207,43 @@ def _read(file: FilePath) -> dict[str, Any]:
     return stored
 
 
-def _of_report(text: str) -> str:
-    """Return the JSON that a report embeds; an error if it has none or several."""
-    parser = _Script()
-    parser.feed(text)
-    (found,) = parser.found
-    return found
-
-
-class _Script(HTMLParser):
-    """Collects the content of the script elements with the ``id`` of the results."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.found: list[str] = []
-        self._inside = False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._inside = tag == "script" and ("id", EMBEDDED) in attrs
-        if self._inside:
-            self.found.append("")
-
-    def handle_endtag(self, tag: str) -> None:
-        self._inside = False
-
-    def handle_data(self, data: str) -> None:
-        if self._inside:
-            self.found[-1] += data
-
-
 def _table(value: object) -> Mapping[str, Any]:
     return value if isinstance(value, dict) else {}
-
-
-def _hashes(given: Mapping[str, Any]) -> Iterator[Difference]:
-    """Compare the SHA-256 of the embedded model."""
-    key, computed = "model_sha256", sha256_of(given["model"])
-    if given.get(key) != computed:
-        yield Difference(("input", key), given.get(key), computed, "value" if key in given else "missing")
 
 
 def _model(given: Mapping[str, Any], file: FilePath, room: FilePath) -> Model:
     """Validate the embedded model; embedded files are unpacked into the directory ``room``."""
     tables = copy.deepcopy(given["model"])
-    if name := next(_functions(tables), None):
-        raise InputError(f"the stiffness of a support is the Python function {name}, which the file does not contain.")
-    listed = given.get("files")
-    files = {one.get("file"): one for one in map(_table, listed if isinstance(listed, list) else [])}
-    for number, table in enumerate(tables_with_files(tables)):
-        name = table["file"]
-        table["file"] = str(_unpacked(name, _table(files.get(name)), file, room / str(number)))
+    for table in tables_with(FUNCTION, tables):
+        raise InputError(f"a stiffness is the Python function {table[FUNCTION]}, which the file does not contain.")
+    files = given.get("files")
+    embedded = {one.get("file"): one for one in map(_table, files if isinstance(files, list) else [])}
+    for number, table in enumerate(tables_with("file", tables)):
+        of = _table(embedded.get(table["file"]))
+        table["file"] = str(_unpacked(table["file"], of.get("sha256"), of.get("gzip"), file, room / str(number)))
     return validate(tables, source=file.name)
 
 
-def _functions(node: Any) -> Iterator[str]:
-    """Yield the names of Python functions in an input."""
-    if isinstance(node, dict) and node.keys() == {FUNCTION} and isinstance(node[FUNCTION], str):
-        yield node[FUNCTION]
-    for value in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        yield from _functions(value)
-
-
-def _unpacked(name: str, embedded: Mapping[str, Any], file: FilePath, room: FilePath) -> FilePath:
+def _unpacked(name: str, sha256: str | None, packed: Any, file: FilePath, room: FilePath) -> FilePath:
     """Return a copy of an embedded file, or a file of that name and SHA-256 beside the results or their directory."""
-    sha256, beside = embedded.get("sha256"), FilePath(name).name
-    if isinstance(packed := embedded.get("gzip"), str):
+    beside = FilePath(name).name
+    places = [FilePath(name), file.parent / beside, file.absolute().parent.parent / beside]
+    if isinstance(packed, str):
         try:
             content = zlib.decompressobj(31).decompress(base64.b64decode(packed), LARGEST_EMBEDDED)
-        except (binascii.Error, zlib.error, ValueError):
-            raise InputError(f"the embedded file {name} is damaged.") from None
-        if hashlib.sha256(content).hexdigest() != sha256:
-            raise InputError(f"the embedded file {name} does not have its SHA-256, {sha256}.")
+        except (ValueError, zlib.error):
+            content = b""
         room.mkdir()
         (room / beside).write_bytes(content)
-        return room / beside
-    for place in (FilePath(name), file.parent / beside, file.absolute().parent.parent / beside):
-        if place.is_file():
-            with place.open("rb") as opened:
-                if sha256 in (None, hashlib.file_digest(opened, "sha256").hexdigest()):
-                    return place
-    needed = f" with the SHA-256 {sha256}" if sha256 else ""
-    raise InputError(f"the file {name} is not embedded. Put {beside}{needed} beside {file.name}.")
+        places = [room / beside]
+    for place in filter(FilePath.is_file, places):
+        with place.open("rb") as opened:
+            if sha256 in (None, hashlib.file_digest(opened, "sha256").hexdigest()):
+                return place
+    of = f" with the SHA-256 {sha256}" if sha256 else ""
+    if isinstance(packed, str):
+        raise InputError(f"the embedded file {name} is damaged; it is not the one{of}.")
+    raise InputError(f"the file {name} is not embedded. Put {beside}{of} beside {file.name}.")
 
 
 def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> dict[str, Any]:
@@ -334,8 +258,8 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
         if estimate is None and stored.get("plus_minus") is not None:
             estimate = estimate_path(found, watcher)
         return path_json(found, estimate)
-    if (own := options.get("combination")) is not None:
-        model = alone(model, Combination(**_table(own)))
+    if own := _table(options.get("combination")):
+        model = alone(model, Combination(**own))
     results = solve(model, watcher)
     told = [stored.get("envelope"), *(of if isinstance(of := stored.get("combinations"), list) else [])]
     estimated = model.estimated or any(_table(one).get("plus_minus") is not None for one in told)
@@ -356,72 +280,54 @@ def _pairs(stored: Any, computed: Any, path: Path = ()) -> Iterator[tuple[Path, 
 
 def _compared(pairs: list[tuple[Path, Any, Any]]) -> Iterator[tuple[Difference, bool]]:
     """Yield the differences, and for each whether it is within the tolerance."""
-    scales = _scales((_kind(_keys(path)), two) for path, one, two in pairs if _numbers(one, two))
+    scales = _scales(pairs)
     for place, (path, one, two) in enumerate(pairs):
-        if _ABSENT in (one, two):
-            yield (
-                Difference(path, None, two, "missing") if one is _ABSENT else Difference(path, one, None, "additional"),
-                False,
-            )
-        elif _numbers(one, two):
-            if one != two:
-                tolerance = TOLERANCE * scales[_kind(_keys(path))]
-                if path[-2:] == ("principal_moment", 2):
-                    # The direction turns by the error of the moments over their difference.
-                    apart = pairs[place - 2][2] - pairs[place - 1][2]
-                    tolerance = math.degrees(TOLERANCE * scales["moment"] / apart) if apart else 180.0
-                if "plus_minus" in path:
-                    tolerance = max(tolerance, _OF_WIDTHS * abs(two))
-                yield Difference(path, one, two), abs(_real(one) - two) <= tolerance
-        elif type(one) is not type(two) or one != two:
-            yield Difference(path, one, two), bool(_SENTENCES & set(path)) and _same_words(one, two)
+        if one is _ABSENT:
+            yield Difference(path, None, two, "missing"), False
+        elif two is _ABSENT:
+            yield Difference(path, one, None, "additional"), False
+        elif not _numbers(one, two):
+            if type(one) is not type(two) or one != two:
+                yield Difference(path, one, two), False
+        elif one != two:
+            tolerance = TOLERANCE * scales[_kind(path)]
+            if path[-2:] == ("principal_moment", 2):
+                # The direction turns by the error of the moments over their difference.
+                apart = pairs[place - 2][2] - pairs[place - 1][2]
+                tolerance = math.degrees(TOLERANCE * scales["moment"] / apart) if apart else 180.0
+            if "plus_minus" in path:
+                tolerance = max(tolerance, _OF_WIDTHS * abs(two))
+            yield Difference(path, one, two), abs(one - two) <= tolerance
 
 
-def _scales(numbers: Iterable[tuple[str, float]]) -> dict[str, float]:
-    """Largest magnitude of each kind; lower bounds for kinds that may vanish up to rounding."""
-    scales = {"certificate": 1.0}
-    for kind, value in numbers:
-        scales[kind] = max(scales.get(kind, 0.0), abs(value))
-    size = scales.get("place", 0.0)
-    if size:
-        scales["rotation"] = max(scales.get("rotation", 0.0), scales.get("deflection", 0.0) / size)
-        scales["couple"] = max(scales.get("couple", 0.0), scales.get("reaction", 0.0) * size)
+def _scales(pairs: list[tuple[Path, Any, Any]]) -> dict[str, float]:
+    """Largest magnitude of each kind; rotations and couples, which may vanish up to rounding, have lower bounds."""
+    scales = dict.fromkeys(("place", "deflection", "reaction", "rotation", "couple"), 0.0) | {"certificate": 1.0}
+    for path, one, two in pairs:
+        if _numbers(one, two):
+            kind = _kind(path)
+            scales[kind] = max(scales.get(kind, 0.0), abs(two))
+    size = scales["place"] or math.inf
+    scales["rotation"] = max(scales["rotation"], scales["deflection"] / size)
+    scales["couple"] = max(scales["couple"], scales["reaction"] * scales["place"])
     return scales
 
 
-def _keys(path: Path) -> tuple[str, ...]:
-    return tuple(key for key in path if isinstance(key, str))
+def _kind(path: Path) -> str:
+    return _kind_of(tuple(key for key in path if isinstance(key, str) and key != "plus_minus"))
 
 
 @cache
-def _kind(keys: tuple[str, ...]) -> str:
+def _kind_of(keys: tuple[str, ...]) -> str:
     """Kind of numbers that are compared: "place", "certificate", a kind of quantity, else the keys themselves."""
     if keys[-1] in _PLACES or keys[-1].endswith("_at"):
         return "place"
     if "certificate" in keys:
         return "certificate"
     owner = next((key for key in reversed(keys) if key in _KINDS), "")
-    for key in reversed(keys):
-        if kind := _KINDS[owner].get(key) or (_KINDS[""].get(key) if not owner else None):
-            return _SAME.get(kind, kind)
-    return ".".join(key for key in keys if key != "plus_minus")
+    kind = next((kind for key in reversed(keys) if (kind := _KINDS[owner].get(key))), ".".join(keys))
+    return _SAME.get(kind, kind)
 
 
 def _numbers(*values: object) -> bool:
     return all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
-
-
-def _real(value: float) -> float:
-    """Convert a number to float; an integer beyond its range becomes ∞."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
-
-
-def _same_words(one: object, two: object) -> bool:
-    """Whether two sentences have the same words, and numbers that agree to their digits."""
-    if not (isinstance(one, str) and isinstance(two, str)) or _NUMBER.split(one) != _NUMBER.split(two):
-        return False
-    numbers = zip(_NUMBER.findall(one), _NUMBER.findall(two), strict=True)
-    return all(math.isclose(float(a), float(b), rel_tol=_OF_SENTENCES) for a, b in numbers)
