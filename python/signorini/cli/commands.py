@@ -18,6 +18,7 @@ from typing import Annotated, Literal
 import typer
 
 import signorini
+from signorini.base.packages import package
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
@@ -115,6 +116,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
@@ -131,6 +133,8 @@ def solve(
         from signorini.output.names import TABLE
         from signorini.output.writing import write_results
 
+        if xlsx:
+            package("xlsxwriter")
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
@@ -141,7 +145,7 @@ def solve(
                     results = signorini.solve(model, progress=show, table=table)
                     estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, artist.drawn if artist else None)
+                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")

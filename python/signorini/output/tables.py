@@ -36,7 +36,9 @@ _MOST_PLACES = 20
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
-def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
+def results_json(
+    results: Results, estimates: Estimates | None = None, pictures: Pictures = None, xlsx: bool = False
+) -> dict[str, Any]:
     """Return the results in the form of ``results.json``; docs/results.md describes every key.
 
     A combination without equilibrium has no numbers: its lists are empty, its tables are None, and ``message`` gives
@@ -48,7 +50,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json({"pictures": pictures, **_alone(results.model)}),
+        **results.model.provenance.json({"pictures": pictures, "xlsx": xlsx, **_alone(results.model)}),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -66,7 +68,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": files(results, pictures),
+        "files": files(results, pictures, xlsx),
     }
 
 

@@ -31,8 +31,7 @@ from signorini.errors import InputError, SignoriniError
 from signorini.model import Combination, Model, validate
 from signorini.output.load_path import path_json
 from signorini.output.tables import results_json
-from signorini.results import quantities as registry
-from signorini.results.quantities import Path
+from signorini.results.quantities import Path, quantity_at
 
 TOLERANCE = 1e-7
 """Tolerance relative to the largest number of the same kind; certificates allow errors of 1e-8."""
@@ -48,24 +47,6 @@ _IN_REPORT = re.compile(r'<script\b[^>]*\bid="signorini-results"[^>]*>(.*?)</scr
 _ABSENT = object()
 
 _PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
-_OF_SUPPORTS = (*registry.OF_SUPPORTS, *registry.OF_AREAS, *registry.OF_LINES, *registry.OF_LIMITED_AREAS)
-_OF_POINTS = (*registry.OF_POINTS, *registry.OF_TURNING_POINTS, *registry.AT_BOLTS)
-_QUANTITIES = {
-    **dict.fromkeys(("supports", "contacts"), (*_OF_SUPPORTS, *registry.OF_BOLTS)),
-    **dict.fromkeys(("points", "nodes", "corners", "joints"), _OF_POINTS),
-    "probes": registry.AT_PROBES,
-    "sections": registry.THROUGH,
-    "strips": registry.OF_STRIPS,
-    "stations": (*registry.MEANS, *registry.PICTURED.values()),
-    "": tuple(registry.PICTURED.values()),
-}
-"""Quantities by the list that contains them; "" for all other lists."""
-_KINDS = {
-    owner: {key: one.kind for one in quantities for key in (one.path[0], one.name)}
-    for owner, quantities in _QUANTITIES.items()
-}
-_KINDS["line"] = {"reaction": "per_length", "couple": "moment"}
-_KINDS["governing_reactions"] = dict.fromkeys(("max", "min", "max_with", "min_with"), "reaction")
 _SAME = {"force": "reaction", "shear_stress": "stress"}
 """Kinds that are compared with numbers of another kind of the same unit."""
 
@@ -182,8 +163,9 @@ def verified(file: FilePath, watcher: Watcher, room: FilePath) -> Verification:
         computed = json.loads(json.dumps(_solved_again(stored, _model(given, file, room), watcher)))
     except SignoriniError as error:
         raise InputError(f"its model cannot be solved again: {error}", place=str(file)) from None
-    trees = ({key: value for key, value in of.items() if key not in _NOT_RESULTS} for of in (stored, computed))
-    pairs = [(("input", "model_sha256"), given.get("model_sha256"), sha256_of(given["model"])), *_pairs(*trees)]
+    written, again = ({key: of[key] for key in of if key not in _NOT_RESULTS} for of in (stored, computed))
+    hashes = (("input", "model_sha256"), given.get("model_sha256"), sha256_of(given["model"]))
+    pairs = [hashes, *_pairs(written, again)]
     found = list(_compared(pairs))
     differences, rounding = (tuple(one for one, small in found if small == kind) for kind in (False, True))
     return Verification(differences, rounding, len(pairs), str(_table(stored.get("program")).get("version", "")))
@@ -263,7 +245,12 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
     results = solve(model, watcher)
     told = [stored.get("envelope"), *(of if isinstance(of := stored.get("combinations"), list) else [])]
     estimated = model.estimated or any(_table(one).get("plus_minus") is not None for one in told)
-    return results_json(results, estimates_of(results, watcher) if estimated else None, options.get("pictures"))
+    return results_json(
+        results,
+        estimates_of(results, watcher) if estimated else None,
+        options.get("pictures"),
+        bool(options.get("xlsx")),
+    )
 
 
 def _pairs(stored: Any, computed: Any, path: Path = ()) -> Iterator[tuple[Path, Any, Any]]:
@@ -324,9 +311,8 @@ def _kind_of(keys: tuple[str, ...]) -> str:
         return "place"
     if "certificate" in keys:
         return "certificate"
-    owner = next((key for key in reversed(keys) if key in _KINDS), "")
-    kind = next((kind for key in reversed(keys) if (kind := _KINDS[owner].get(key))), ".".join(keys))
-    return _SAME.get(kind, kind)
+    quantity = quantity_at(keys)
+    return ".".join(keys) if quantity is None else _SAME.get(quantity.kind, quantity.kind)
 
 
 def _numbers(*values: object) -> bool:
