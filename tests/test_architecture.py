@@ -43,6 +43,7 @@ ONLY_IN = {
     "pyarrow": {"formats"},
     "shapely": {"model", "shapes"},
     "typer": {"cli"},
+    "xlsxwriter": {"formats"},
     "rich": {"cli"},
     "pydantic": {"model", "formats", "expression"},
     "pydantic_core": {"model", "formats", "expression"},

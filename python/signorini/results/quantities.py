@@ -322,6 +322,25 @@ MEANS = (
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
+_SUPPORTS = (*OF_SUPPORTS, *OF_AREAS, *OF_LINES, *OF_LIMITED_AREAS, *OF_BOLTS)
+_POINTS = (*OF_POINTS, *OF_TURNING_POINTS, *AT_BOLTS)
+BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
+    {
+        **dict.fromkeys(("supports", "contacts"), _SUPPORTS),
+        **dict.fromkeys(("points", "nodes", "corners", "joints"), _POINTS),
+        "line": (
+            Quantity("reaction", "per_length", "reaction per length, positive up"),
+            Quantity("couple", "moment", "couple per length, positive where the plate sags"),
+        ),
+        "governing_reactions": tuple(Quantity(key, "reaction") for key in ("max", "min", "max_with", "min_with")),
+        "probes": AT_PROBES,
+        "sections": THROUGH,
+        "strips": OF_STRIPS,
+        "stations": (*MEANS, *PICTURED.values()),
+        "": tuple(PICTURED.values()),
+    }
+)
+"""Quantities by the list of results.json that has them; "": those of fields."""
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Names of the largest and the smallest mean of a field over its singular points."""
@@ -345,6 +364,13 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
             values = of.formula(moment, shear, thickness)
             result[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
     return result
+
+
+def quantity_at(keys: Sequence[str]) -> Quantity | None:
+    """Quantity of the numbers below some keys of results.json, without indices; None for other numbers."""
+    owner = next((key for key in reversed(keys) if key in BY_LIST), "")
+    named = {key: one for one in BY_LIST[owner] for key in (one.path[0], one.name)}
+    return next((named[key] for key in reversed(keys) if key in named), None)
 
 
 @dataclass(frozen=True)
