@@ -341,3 +341,17 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
                 cells.append(labels.cell(moments[station][f"{end}_by"]))
             shown.add(strip["name"], *cells)
         shown.show(console, apart=True)
+    if punched := envelope.get("punching"):
+        shown = Grid(
+            [Column("column"), *numbers("largest utilisation"), by, *numbers(f"force{in_unit(units.force)}"), by]
+        )
+        for index, column in enumerate(punched):
+            cells = []
+            for key in ("utilisation", "force"):
+                path = ("punching", index, key, "max")
+                cells += [
+                    cell(column[key]["max"], widths, path, column[key]["max"]),
+                    labels.cell(column[key]["max_by"]),
+                ]
+            shown.add(column["name"], *cells)
+        shown.show(console, apart=True)

@@ -33,6 +33,7 @@ from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, S
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
+from signorini.model.punching import ColumnAt, Punching, columns_of
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
@@ -181,6 +182,7 @@ class Model(Table):
     profile: Annotated[tuple[Profile, ...], AfterValidator(_named)] = Field(
         default=(), description="Lines and circles along which fields and the pressure are reported."
     )
+    punching: tuple[Punching, ...] = Field(default=(), description="Columns that are checked for punching.")
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
 
@@ -330,6 +332,11 @@ class Model(Table):
         """Map from each moving load's case to the load cases of its positions."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
+    @property
+    def columns(self) -> tuple[ColumnAt, ...]:
+        """The columns of [[punching]]."""
+        return columns_of(self.punching, self.support, self.load)
+
     @cached_property
     def effective_combinations(self) -> Combinations:
         """All combinations; generated combinations are made on access.
@@ -364,6 +371,9 @@ class Model(Table):
         yield from self._moving_complaints()
         yield from self._combination_complaints()
         yield from self._preload_complaints()
+        for index, punching in enumerate(self.punching):
+            complaints = punching.complaints_of(self.support, self.load, self.units)
+            yield from ((("punching", index, *path), message) for path, message in complaints)
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""
