@@ -21,8 +21,8 @@ _QUANTITIES = """# Numbers of results
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
 
 Units are F (force) and L (length). Owners in the examples are the supports `AREA`, `LINE` (an edge, line or circle) and
-`POINTS`, the columns `COLUMNS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and of
-[thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
+`POINTS`, the columns `COLUMNS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and
+of [thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
 `combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
 _MODEL = """
 units = { length = "L", force = "F" }

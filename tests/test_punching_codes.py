@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from structuralcodes.codes.ec2_2004 import shear
 
@@ -63,6 +63,7 @@ def test_interior_column_has_the_modulus_of_equation_6_41() -> None:
     assert beta == pytest.approx(1 + k * 60e6 / 800e3 * one.basic.pieces.length / expected, rel=1e-12)
 
 
+@settings(deadline=None)
 @given(st.floats(0.0, 2 * np.pi))
 def test_circular_column_has_beta_of_equation_6_42_about_any_axis(angle: float) -> None:
     diameter, e = 400.0, 90.0
@@ -208,6 +209,7 @@ def test_table_22_6_5_2() -> None:
     assert aci318.concrete_resistance(25.0, 750.0, 9000.0, 1.0, 40.0) == pytest.approx(0.33 * 5 * np.sqrt(0.5))
 
 
+@settings(deadline=None)
 @given(
     st.floats(0.0, 360.0),
     st.complex_numbers(max_magnitude=1e5, allow_nan=False),

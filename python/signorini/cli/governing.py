@@ -346,12 +346,9 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
             [Column("column"), *numbers("largest utilisation"), by, *numbers(f"force{in_unit(units.force)}"), by]
         )
         for index, column in enumerate(punched):
-            cells = []
+            shown_ends: list[Any] = []
             for key in ("utilisation", "force"):
-                path = ("punching", index, key, "max")
-                cells += [
-                    cell(column[key]["max"], widths, path, column[key]["max"]),
-                    labels.cell(column[key]["max_by"]),
-                ]
-            shown.add(column["name"], *cells)
+                value, where_in = column[key]["max"], ("punching", index, key, "max")
+                shown_ends += [cell(value, widths, where_in, value), labels.cell(column[key]["max_by"])]
+            shown.add(column["name"], *shown_ends)
         shown.show(console, apart=True)

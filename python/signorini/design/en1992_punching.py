@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions
-from signorini.shapes.arrays import Floats
+from signorini.shapes.arrays import Bools, Floats
 
 GAMMA_C, GAMMA_S = 1.5, 1.15
 """Partial factors of concrete and steel, 2.4.2.4."""
@@ -73,6 +74,20 @@ def reinforcement(v_ed: Floats, v_rd_c: Floats | float, u1: Floats | float, d: f
     return np.where(v_ed > v_rd_c, (v_ed - 0.75 * v_rd_c) * u1 / (1.5 * effective), 0.0)
 
 
+class _Shapes(NamedTuple):
+    """Perimeters (p,): length, distance, direction across the edge or of the column's side, and numbers for β."""
+
+    length: Floats
+    distance: Floats
+    axis: Positions
+    across: Floats  # k u1/W1 of an eccentricity along the axis
+    along: Floats  # k u1/W1 of an eccentricity normal to the axis
+    round: Bools  # whether both are components of one vector
+    uniform: Floats  # u1/u1*
+    beside: Floats  # k u1/W1 of Eq. (6.44), 0 at a corner
+    normals: Positions  # (p, 2): normals of near edges, 0 for none
+
+
 @dataclass(frozen=True, eq=False)
 class Punching:
     """Punching of one column: a slab on it or, ``on_foundation``, a foundation under it.
@@ -122,33 +137,41 @@ class Punching:
         most = [np.inf, self.plan.column.size(1j * normals[0]) if normals else 0.0, 0.0][len(normals)]
         return min(self.plan.face(normals), most + 3.0 * self.depth)
 
-    def beta(self, perimeter: Perimeter, force: Floats, moment: Positions) -> Floats:
-        """β (k,) by 6.4.3(3)-(5) for the net force (k,) and the moment (k,): force times eccentricity of the column.
+    def beta(self, force: Floats, moment: Positions) -> Floats:
+        """β (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
 
         Contributions of both axes are added; those of a circular column, as vectors. At a free edge, Eq. (6.44) and
         (6.46) with u1* hold for an eccentricity inward; outward, the larger one of these and of Eq. (6.39) is taken.
         """
         if self.given is not None:
-            return np.full(len(force), self.given)
-        pieces, normals, column = perimeter.pieces, self._edges(perimeter), self.plan.column
-        across = perimeter.normals[0] if perimeter.normals else column.axis
-        along, ratio = 1j * across, column.size(across) / column.size(1j * across)
-        eccentric = moment / np.where(force != 0.0, force, np.inf)
+            return np.full(force.shape, self.given)
+        of = self._shapes
+        eccentric = moment[:, None] / np.where(force != 0.0, force, np.inf)
+        across, along = np.abs((eccentric * of.axis.conj()).real), np.abs((eccentric * of.axis.conj()).imag)
+        both = of.across * across, of.along * along
+        result = 1.0 + np.where(of.round, np.hypot(*both), sum(both))
+        uniform = of.uniform + of.beside * along
+        inward = ((eccentric[..., None] * of.normals.conj()).real <= 0.0).all(axis=-1)
+        at_edge = np.where(inward, uniform, np.maximum(uniform, result))
+        return np.where((of.normals != 0.0).any(axis=-1), at_edge, result)
 
-        def part(axis: complex, ratio: float) -> Floats:
-            modulus = moment_part(ratio) * pieces.length / pieces.modulus(axis)
-            return np.asarray(modulus * np.abs((eccentric * np.conj(axis)).real))
-
-        both = part(across, ratio), part(along, 1.0 / ratio)
-        vectors = len(column.corners) == 1 and not perimeter.normals
-        result = 1.0 + (np.hypot(*both) if vectors else sum(both))
-        if not normals:
-            return np.asarray(result)
-        uniform = pieces.length / self._reduced(pieces, normals).length + np.zeros(len(force))
-        if len(normals) == 1:
-            uniform += part(along, 0.5 * ratio)
-        inward = np.all([(eccentric * np.conj(normal)).real <= 0.0 for normal in normals], axis=0)
-        return np.where(inward, uniform, np.maximum(uniform, result))
+    @cached_property
+    def _shapes(self) -> _Shapes:
+        """Shape of every perimeter."""
+        column, every = self.plan.column, []
+        for found in self.perimeters:
+            pieces, near = found.pieces, self._edges(found)
+            axis = found.normals[0] if found.normals else column.axis
+            ratio = column.size(axis) / column.size(1j * axis)
+            per_moment = [pieces.length / pieces.modulus(direction) for direction in (axis, 1j * axis)]
+            uniform = pieces.length / self._reduced(pieces, near).length
+            beside = moment_part(0.5 * ratio) * per_moment[1] if len(near) == 1 else 0.0
+            parts = moment_part(ratio) * per_moment[0], moment_part(1.0 / ratio) * per_moment[1]
+            is_round = len(column.corners) == 1 and not found.normals
+            every.append(
+                (pieces.length, found.distance, axis, *parts, is_round, uniform, beside, [*near, 0.0, 0.0][:2])
+            )
+        return _Shapes(*map(np.array, zip(*every, strict=True)))
 
     def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
         """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
@@ -168,20 +191,17 @@ class Punching:
         reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
-        every, most = [], largest_resistance(self.fck)
-        for perimeter, taken in zip(self.perimeters, inside.T, strict=True):
-            net, u1 = force - taken, perimeter.pieces.length
-            beta = self.beta(perimeter, net, moment)
-            v_rd_c = own * 2.0 * self.depth / perimeter.distance
-            every.append(np.broadcast_arrays(beta * np.abs(net) / (u1 * self.depth), v_rd_c, beta, taken, u1))
-        governing = np.argmax([values[0] / values[1] for values in every], axis=0)
-        v_ed, v_rd_c, beta, taken, u1 = np.array(every)[governing, :, np.arange(len(force))].T
+        of, net, most = self._shapes, force[:, None] - inside, largest_resistance(self.fck)
+        beta = self.beta(net, moment)
+        stress, resistance = beta * np.abs(net) / (of.length * self.depth), own * 2.0 * self.depth / of.distance
+        rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
+        v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
         at_face = beta * np.abs(force) / (self.face_length * self.depth)
         return {
             "u0": np.full(len(force), self.face_length),
             "u1": u1,
             "force": force,
-            "inside": taken,
+            "inside": inside[rows, worst],
             "beta": beta,
             "v_ed": v_ed,
             "v_ed_face": at_face,

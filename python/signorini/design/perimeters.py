@@ -6,7 +6,7 @@ Positions are complex numbers x + iy in any unit of length. A direction is a com
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple, Self, TypeAlias
@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from signorini.base.on_demand import kept
 from signorini.errors import InputError
 from signorini.shapes.arrays import Bools, Floats, Ints
 
@@ -50,7 +51,7 @@ class Pieces:
 
     def pick(self, which: Ints | Bools) -> Self:
         """Pieces by their indices, or by a mask (m,)."""
-        return type(self)(*(values[which] for values in vars(self).values()))
+        return type(self)(*(getattr(self, key.name)[which] for key in fields(self)))
 
     def at(self, t: Floats) -> Positions:
         """Positions (m, k) at parameters (k,)."""
@@ -63,7 +64,7 @@ class Pieces:
         """Lengths (m,)."""
         return np.asarray(np.abs(self.along) + self.radius * self.turn)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Total length."""
         return float(self.lengths.sum())
@@ -83,7 +84,7 @@ class Pieces:
         """Weights (m, 12) of the Gauss points, whose sum is the length."""
         return np.asarray(0.5 * self.lengths[:, None] * _WEIGHTS)
 
-    @property
+    @cached_property
     def centroid(self) -> complex:
         """Centroid of the pieces."""
         return complex((self.weights * self.nodes).sum() / self.length)
@@ -134,6 +135,7 @@ class Pieces:
         size = (parts.weights * np.abs(_along(parts.nodes, direction) - level)).sum()
         return max(float(size), _SAME * self.length**2)
 
+    @kept
     def inertia(self, direction: complex, depth: float) -> float:
         """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with e as in W, tangent t, ``direction`` n."""
         angle = self.begin[:, None] + self.turn[:, None] * (0.5 + 0.5 * _POINTS)
@@ -275,7 +277,8 @@ class Plan:
             near, far = (near, middle) if self.perimeter(middle).pieces.length >= length else (middle, far)
         return self.perimeter(far).pieces
 
-    def face(self, normals: Sequence[complex] = ()) -> float:
+    @kept
+    def face(self, normals: tuple[complex, ...]) -> float:
         """Length of the column's outline; towards free edges it is straight, up to the column's outermost point."""
         pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0)
         for normal in normals:

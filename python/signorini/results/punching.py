@@ -23,13 +23,14 @@ from signorini.results.quantities import KINDS, OF_COLUMNS
 class Inside(NamedTuple):
     """Points (q,) of an area support inside r regions.
 
-    ``rows`` (q, n) interpolate deflections, ``sums`` (r, q) have the weights. ``stiff`` (q,) marks points at which the
-    pressure is the mean over the element.
+    ``rows`` (q, n) interpolate deflections, ``sums`` (r, q) have the weights. ``means`` (q, p) give the mean pressure
+    over the element from the forces of the area's points (p,); it is taken at ``stiff`` points (q,).
     """
 
     points: Quadrature
     rows: csr_array
     sums: csr_array
+    means: csr_array
     stiff: Bools
 
 
@@ -45,7 +46,9 @@ def points_inside(discretisation: Discretisation, column: int, support: int) -> 
     rows = csr_array((shape.ravel(), entries), shape=(len(points), mesh.node_count))
     region = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     sums = csr_array((points.weights, (region, at)), shape=(len(parts), len(points)))
-    return Inside(points, rows, sums, area.stiff[points.elements] | area.on_means)
+    per_area = 1.0 / np.where(area.covered > 0.0, area.covered, 1.0)[points.elements]
+    means = csr_array(area.per_element[points.elements].multiply(per_area[:, None]))
+    return Inside(points, rows, sums, means, area.stiff[points.elements] | area.on_means)
 
 
 @dataclass(frozen=True, eq=False)

@@ -480,15 +480,14 @@ class SupportReading:
 
     def pressing(self, column: int) -> Floats:
         """Upward forces (k, r) of the area inside the control perimeters of a column."""
-        points, rows, sums, stiff = points_inside(self.of.discretisation, column, self.index)
-        area, result = self.at_rest, [np.zeros((0, sums.shape[0]))]
-        covered = np.where(area.covered > 0.0, area.covered, 1.0)[points.elements]
+        points, rows, sums, means, stiff = points_inside(self.of.discretisation, column, self.index)
+        result = [np.zeros((0, sums.shape[0]))]
         for first in range(0, len(self.reactions), step := max(1, _TOGETHER // max(rows.shape))):
             some = slice(first, first + step)
-            pressure = (area.per_element[points.elements] @ self.reactions[some].T).T / covered
+            pressure = np.asarray((means @ self.reactions[some].T).T)
             if not stiff.all():
                 exerted = SupportLaw(self.support).pressure((rows @ self.above(some).T).T, points.positions)
-                pressure = np.where(stiff, pressure, np.nan_to_num(np.clip(exerted, *area.bounds)))
+                pressure = np.where(stiff, pressure, np.nan_to_num(np.clip(exerted, *self.at_rest.bounds)))
             result.append((sums @ pressure.T).T)
         return np.concatenate(result)
 
