@@ -13,7 +13,7 @@ from signorini.accuracy.meshes import worst_of
 
 
 def timed(supports, **mesh):
-    """Processor seconds of a solve with half-widths, its results, and the largest half-width relative to its field."""
+    """Processor seconds of a solve with half-widths; its results; the largest ratio of a half-width to its field."""
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},

@@ -24,17 +24,17 @@ SIDE = 4
 
 CASES = 12
 SPRING = 1e11
-"""Stiffness of the springs in PyNite that replace rigid points."""
+"""Stiffness of the springs that replace rigid points in PyNite."""
 
 
 def points(side):
-    """Positions of the support points, which are nodes of a mesh of 80×80 elements."""
+    """Positions of side × side support points, which are nodes of a mesh of 80×80 elements."""
     stations = (np.linspace(0.5, 9.5, side) * 8).round() / 8
     return [[float(x), float(y)] for y in stations for x in stations]
 
 
 def tables(elements, combinations, side=SIDE):
-    """Slab B with its weight, ten forces and uplift by wind; combinations with random factors."""
+    """Input tables of slab B with its weight, ten forces and wind uplift, in combinations with random factors."""
     random = np.random.default_rng(5)
     at = random.uniform(0.25, 9.75, (CASES - 2, 2)).round(2).tolist()
     forces = [{"case": f"Q{i}", "force": 100e3, "at": point} for i, point in enumerate(at)]
@@ -56,7 +56,7 @@ def tables(elements, combinations, side=SIDE):
 
 
 def on_soil(elements, combinations):
-    """Slab A with its weight, ten loaded patches, one of them at the corner, and uplift by wind."""
+    """Input tables of slab A with its weight, ten loaded patches, one of them at the corner, and wind uplift."""
     data = tables(elements, combinations)
     at = [[1.0, 1.0], *(np.clip(load["at"], 0.5, 9.5).tolist() for load in data["load"][2:-1])]
     patches = [{"area": {"rectangle": [x - 0.5, y - 0.5, x + 0.5, y + 0.5]}} for x, y in at]
@@ -69,16 +69,16 @@ def on_soil(elements, combinations):
 
 
 def separately(data, name):
-    """Model with one row of the table as its only combination."""
+    """Model whose only combination is the row of this name in the table."""
     (table,) = data["combination"]
     factors = dict(zip(table["columns"], table["rows"][name], strict=True))
     return data | {"combination": [{"name": name, "factors": factors}], "output": {}}
 
 
 def soil(elements, combinations, pick):
-    """Compare the time of all combinations in one solve with the time of separate solves, and compare the results.
+    """Compare one solve of all combinations with separate solves of ``pick`` combinations: times and results.
 
-    All are in one process, after a first solve, so that the start of the interpreter is left out.
+    All solves are in one process, after a first solve, so that the start of the interpreter is not measured.
     """
     import pyarrow.parquet as pq
 
@@ -118,7 +118,7 @@ def soil(elements, combinations, pick):
 
 
 def difference_on_soil(row, single):
-    """Largest difference of a row from the separate solve, relative to the largest value of its kind."""
+    """Largest difference of a row of the table from a separate solve, relative to the largest value of its kind."""
     from signorini.results.quantities import LINEAR
 
     (support,) = single.supports
@@ -133,7 +133,7 @@ def difference_on_soil(row, single):
 
 
 def run(elements, combinations, side, path, first_alone):
-    """Work of one process: solve all combinations into a table, or the first one with all its results."""
+    """Solve, in a process of its own, all combinations as a table, or only the first one with all its results."""
     from signorini import Model, solve
 
     data = tables(elements, combinations, side)
@@ -151,7 +151,7 @@ def process(*arguments):
 
 
 def compare(elements, combinations, side, path, pick):
-    """Largest relative difference between rows and the same combinations solved by themselves."""
+    """Largest relative difference between rows of the table and separate solves of ``pick`` combinations."""
     import pyarrow.parquet as pq
 
     from signorini import Model, contact_problem
@@ -200,7 +200,7 @@ def measure(elements, combinations, side, repeat, pick):
 
 
 def pynite(elements, count):
-    """Solve ten combinations with PyNite: rectangular Mindlin elements, and springs under 16 nodes that only push."""
+    """Solve ten combinations with PyNite: rectangular Mindlin elements on 16 springs that only push."""
     from Pynite import FEModel3D
 
     from signorini import Model, solve
@@ -219,7 +219,7 @@ def pynite(elements, count):
     model.meshes["slab"].generate()
     nodes = {(round(node.X, 6), round(node.Y, 6)): name for name, node in model.nodes.items()}
     for name in model.nodes:
-        # In-plane displacements and drilling rotations are held.
+        # Displacements in the plane and rotations about z are held.
         model.def_support(name, True, True, False, False, False, True)
     for x, y in points(SIDE):
         model.def_support_spring(nodes[x, y], "DZ", SPRING, "-")
@@ -251,7 +251,7 @@ def pynite(elements, count):
 
 
 def check():
-    """Check that every row of the table on a coarse mesh equals its combination solved by itself."""
+    """Check that every row of a table on a coarse mesh equals a separate solve of its combination."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, "combinations.parquet")
         run(20, 300, SIDE, path, first_alone=False)

@@ -1,17 +1,17 @@
 """Time of contact relative to a linear solve on the same mesh.
 
-Four plates on one-sided supports are compared with the same supports two-sided, which is a linear problem:
+Four plates on one-sided supports are compared with the same plates on two-sided supports, a linear problem:
 
-- slab A on soil; two-sided springs are part of the matrix;
-- the same slab on 100 rigid points; two-sided points are held dofs;
-- the same slab on 36 rigid footprints of a tenth of its sides. They are compared with two-sided points in their
-  centers, since two-sided footprints are contact rows too;
-- the same slab on a second slab on soil, with an elastic layer between them.
+- slab A on soil; in the linear problem the springs are part of the matrix;
+- the same slab on 100 rigid points, which are held dofs in the linear problem;
+- the same slab on 36 rigid footprints with a tenth of the slab's sides. The linear problem has two-sided points in the
+  centers of the footprints, since two-sided footprints are contact rows too;
+- the same slab on a second slab on soil, with an elastic layer between the slabs.
 
 The runs alternate in one process. Times are medians, and ratios are ratios of medians.
 
-Then six plates on rigid areas are compared with soil on the same areas. The target is three times the time on soil, or
-three factorizations if that is more.
+Then six plates on rigid areas are compared with plates on soil in the same areas. The target is three times the time
+on soil, or the time of three factorizations if that is more.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
 assembly, factorization, condensation, contact, refinement. "whole" is from the model to the certified result.
@@ -61,7 +61,7 @@ def on_a_slab(elements: int, resists: str) -> Model:
 
 
 ALIKE: dict[str, Callable[[int, str], Model]] = {"soil": on_soil, "100 points": on_points, "two slabs": on_a_slab}
-"""Plates for which the one-sided and the two-sided problem are equal while every point stays closed."""
+"""Models for which the solutions on one-sided and on two-sided supports are equal if every point stays closed."""
 
 PLATES = ALIKE | {"36 footprints": on_footprints}
 
@@ -96,7 +96,7 @@ def two_plates(elements: int, bed: Tables) -> Tables:
 
 
 def rigid_example(name: str, elements: int, stiffness: float | None) -> Model:
-    """Make a plate on rigid areas, or on soil of a given stiffness in Pa/m."""
+    """Make a plate on rigid areas; with a ``stiffness`` [Pa/m], on soil in the same areas."""
     elastic = {} if stiffness is None else {"stiffness": stiffness}
     bed: Tables = {"area": "all"} | elastic
     spot = [{"pressure": 2e3}, {"pressure": 500e3, "area": CORNER}]
@@ -146,7 +146,7 @@ def compare(name, elements, repeat):
             spent, answer = core_solve(plates[way])
             core[way].append(spent)
             whole[way].append(whole_solve(models[way])[0])
-    # `answer` is the last one, on one-sided supports.
+    # `answer` is that of the last run, which is on one-sided supports.
     points, opened = len(answer.closed), int((~answer.closed).sum())
     steps = f"{answer.iterations} Newton steps, {answer.pivots} pivots"
     print(f"{name}, {elements} × {elements}, {plates[CONTACT].dof_count} dofs, {points} points, {opened} open, {steps}")
@@ -160,7 +160,7 @@ def compare(name, elements, repeat):
 
 
 def compare_rigid(name, elements, repeat):
-    """Print the time on rigid areas, relative to soil and to one factorization."""
+    """Print the time of a plate on rigid areas, relative to soil and to one factorization."""
     plates = [discretise(rigid_example(name, elements, stiffness)) for stiffness in (None, SOIL)]
     rigid, soil = (statistics.median(core_solve(plate)[0] for _ in range(repeat)) for plate in plates)
     problem = contact_problem(plates[0])
@@ -175,7 +175,7 @@ def compare_rigid(name, elements, repeat):
 
 
 def check_rigid(elements=12):
-    """Compare reactions of the active set and of Lemke's algorithm."""
+    """Compare the reactions that the active set and Lemke's algorithm give on rigid areas."""
     passed = True
     for name in RIGID:
         plate = discretise(rigid_example(name, elements, None))

@@ -26,7 +26,7 @@ def errors(case: Case, n: int) -> dict[str, float]:
 
 
 def order(case: Case, name: str, found: np.ndarray) -> str:
-    """Order of convergence: slope through the errors above the reference's precision; "–" with less than three."""
+    """Order of convergence: slope of the errors above the reference's precision; "–" with less than three."""
     telling = found > case.floor(name)
     if telling.sum() < 3:
         return "–"

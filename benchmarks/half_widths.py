@@ -27,7 +27,7 @@ _TOO_LONG = 30
 
 
 class Late(BaseException):
-    """A plate exceeded its time."""
+    """The time for a plate is over."""
 
 
 def _late(number, frame):
@@ -35,8 +35,8 @@ def _late(number, frame):
 
 
 def one(seed, along):
-    """Numbers of a plate with half-widths and true changes; None if the plate takes too long."""
-    # CPU time of this process, independent of the load of the machine.
+    """Numbers of a plate with half-widths and the changes to a finer mesh; None if the plate takes too long."""
+    # CPU time of this process does not depend on the load of the machine.
     signal.signal(signal.SIGPROF, _late)
     signal.setitimer(signal.ITIMER_PROF, _TOO_LONG)
     try:

@@ -1,4 +1,4 @@
-"""Meshes with triangles, made by dividing quadrilaterals."""
+"""Meshes with triangles, made from meshes of quadrilaterals."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from signorini.mesh import Mesh
 
 
 def halved(mesh, part=1.0, seed=1):
-    """Divide a fraction ``part`` of the quadrilaterals, chosen at random, along a random diagonal into triangles."""
+    """Divide a random fraction ``part`` of the quadrilaterals into triangles, each along a random diagonal."""
     random = np.random.default_rng(seed)
     points, elements = list(mesh.points), []
     for element in mesh.elements:

@@ -37,7 +37,7 @@ TOLERANCE = 1e-8
 
 
 def sines(points: int, side: float) -> tuple[Array, Array]:
-    """Normalised sine functions at the inner points of a uniform grid (points, MODES), and their wave numbers."""
+    """Normalised sine functions (points, MODES) at the inner points of a uniform grid, and their wave numbers."""
     numbers = np.arange(1, MODES + 1) * np.pi / side
     at = side * np.arange(1, points + 1) / (points + 1)
     return np.sqrt(2 / side) * np.sin(np.outer(at, numbers)), numbers
@@ -61,14 +61,14 @@ def plate(columns: int, rows: int) -> tuple[Array, Array]:
 
 
 def error(matrix: Array, q: Array, z: Array) -> float:
-    """Scaled complementarity error of z."""
+    """Complementarity error max_i |min(z_i / max z, w_i / t_i)| of z, see above."""
     m, load, unknown = (np.asarray(a, dtype=np.longdouble) for a in (matrix, q, z))
     slack, size = m @ unknown + load, abs(m) @ abs(unknown) + abs(load)
     return float(abs(np.minimum(unknown / abs(unknown).max(), slack / size)).max())
 
 
 def median_seconds(run: Callable[[], object], repeats: int) -> float:
-    """Median time of several runs."""
+    """Median time of several runs [s]."""
     seconds = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -78,7 +78,7 @@ def median_seconds(run: Callable[[], object], repeats: int) -> float:
 
 
 def compare(name: str, matrix: Array, q: Array, repeats: int) -> bool:
-    """Print one row; return whether both programs solve the problem and agree."""
+    """Print times and errors of one problem; return whether both programs solve it and agree."""
     ours, theirs = lemke(matrix, q), lcp_lemke(matrix, q)
     mine = median_seconds(lambda: lemke(matrix, q), repeats)
     peer = median_seconds(lambda: lcp_lemke(matrix, q), repeats)
@@ -92,7 +92,7 @@ def compare(name: str, matrix: Array, q: Array, repeats: int) -> bool:
 
 
 def main() -> int:
-    """Run every size in both forms."""
+    """Compare both programs on every size in both forms."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="exit with 1 unless both programs are right and agree")
     parser.add_argument("--repeats", type=int, default=5, help="runs of each program (default 5)")

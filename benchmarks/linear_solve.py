@@ -4,40 +4,45 @@ Time is that of ordering, analysis, factorization and one solve. Memory is the g
 state before the matrix is made. Each solver runs in a process of its own, alternately. Signorini assembles the matrix
 front by front and never stores it. PARDISO reads it from a file, and its memory includes the matrix.
 
-The rate of the factor is compared with NumPy's matrix product in the same process: give both the same threads
-(RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Flops are those of the pattern, without stored zeros; time includes the
-analysis.
+The rate of the factorization is compared with that of NumPy's matrix product in the same process. Give both the same
+number of threads (RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Operations (Flop) are those of the pattern of L, without
+stored zeros; the time includes the analysis.
 
-Profile of the numeric factor, 160×160, one thread, a new process (0.80 s, 16.7 GFlop):
+Shares of the time of the numeric factorization, 160×160, one thread, a new process (0.80 s, 16.7 GFlop):
 
     36 %  matrix products of update matrices          11 %  adding the update matrices of children
     21 %  zeroing of pages by the system               9 %  assembly of the matrix
     18 %  elimination of the fronts' own columns       4 %  storing L
 
-Large fronts run at 45 GFlop/s, faer's matrix product at 49. Fronts of up to 90 rows are three quarters of all fronts.
-They take a fifth of the time at 2 to 3 GFlop/s. Ordering takes 0.015 s, analysis 0.035. On two threads the tree keeps
-both busy 90 % of the time.
+Large fronts run at 45 GFlop/s; faer's matrix product runs at 49. Three quarters of all fronts have at most 90 rows;
+they take a fifth of the time at 2 to 3 GFlop/s. Ordering takes 0.015 s, analysis 0.035 s. Two threads are busy 90 % of
+the time.
 
 At 400×400 (319.3M entries, 272 GFlop) one thread touches 754,000 pages, 624,000 of them for L. In a virtual machine a
-page costs 2 to 8 µs, 1.8 to 7.6 s for the same factor. User time is about 10 s: matrix products 6.7, triangular solves
-0.6, assembly 0.4, update matrices 0.2, analysis 0.2, storing L 0.5.
+page costs 2 to 8 µs, so that all pages take 1.8 to 7.6 s. User time is about 10 s: matrix products 6.7, triangular
+solves 0.6, assembly 0.4, update matrices 0.2, analysis 0.2, storing L 0.5.
 
-On a core of 85 GFlop/s with AVX-512 fronts of more than 1000 rows run at two thirds of that. Columns of L are pages
-apart, so a tile's rows are copied first (6 % of these products at 400×400, 10 % at 160×160). Tiles of 256 columns, 192
-rows, 512 columns of L deep run at 70 GFlop/s in these fronts, against 62 with 128 columns: 0.2 s of 4.7 at 320×320. If
-all products ran at the library's best rate with the fewest pages, 160×160 would take 0.57 s and 400×400 6.2 s. That is
-0.34 and 0.51 of the product's rate; half of it at 160×160 and 0.6 at 400×400 are out of reach.
+On a core of 85 GFlop/s with AVX-512, fronts of more than 1000 rows run at two thirds of this rate. The rows of a tile
+are first copied, because columns of L are pages apart. Copying takes 6 % of the time of these products at 400×400, 10 %
+at 160×160. With tiles of 256 columns, 192 rows and 512 columns of L these fronts run at 70 GFlop/s, with tiles of 128
+columns at 62; this saves 0.2 s of 4.7 s at 320×320. If all products ran at the library's best rate with the fewest
+pages, 160×160 would take 0.57 s and 400×400 6.2 s, 0.34 and 0.51 of the rate of NumPy's product.
 
-Element matrices take 0.01 s if elements are equal up to rounding, 0.11 s on one thread if all 25,600 differ, four at a
-time; one at a time took 0.15. The charge for zeros in the tree's cost may be 3 to 12 without effect. One right-hand
-side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
+If elements are equal up to rounding, their matrices take 0.01 s. If all 25,600 elements differ, the matrices take
+0.11 s on one thread, four at a time, and 0.15 s one at a time. The cost of a stored zero in the choice of fronts may be
+3 to 12 without effect. One right-hand side reads L twice, at 18 to 20 GB/s on two threads; a sum over as many numbers
+runs at 30 GB/s.
 
-Tried without gain: fronts of up to 64 columns in registers (0.03 s less, but an ill-conditioned plate failed); register
-tiles of three vectors by four columns (spilled) and two by six; bending by arrays along each axis; diagonal blocks of
-update matrices as full squares or by 16 to 64 columns; populating pages ahead (1.5 to 1.9 µs in place of 1.7 to 2.3);
-huge pages (7 to 9 µs per 4 kB where the host must find them; 5.2 to 5.7 s of system time in place of 1.8 to 3.1);
-stacks and panels kept by each thread (735,000 pages in place of 754,000 at 400×400, 95,000 in place of 84,000 at
-160×160).
+These changes brought no gain:
+
+- fronts of up to 64 columns in registers: 0.03 s less, but an ill-conditioned plate failed;
+- register tiles of three vectors by four columns (registers spilled), and of two by six;
+- bending strains as arrays along each axis;
+- diagonal blocks of update matrices as full squares, or in parts of 16 to 64 columns;
+- pages requested in advance: 1.5 to 1.9 µs each in place of 1.7 to 2.3 µs;
+- huge pages: 7 to 9 µs per 4 kB where the host must find them; 5.2 to 5.7 s of system time in place of 1.8 to 3.1 s;
+- stacks and panels that each thread keeps: 735,000 pages in place of 754,000 at 400×400, but 95,000 in place of 84,000
+  at 160×160.
 
     python benchmarks/linear_solve.py [--elements 160] [--repeat 5]     needs pypardiso
     python benchmarks/linear_solve.py --alone [--elements 160]          without it
@@ -58,7 +63,7 @@ from processes import peak_mb, run
 
 
 def clamped_plate(elements):
-    """Clamped square, h/a = 0.01."""
+    """Model of a clamped square plate with h/a = 0.01."""
     from signorini import Model
     from signorini.discretise import discretise
 
@@ -98,7 +103,7 @@ def ours(elements, folder):
 
 
 def product_rate(order=2000, repeat=5):
-    """Flops per second of NumPy's matrix product, the best of several runs."""
+    """Rate of NumPy's matrix product, the best of several runs [flop/s]."""
     matrix = np.random.default_rng(0).random((order, order))
     seconds = []
     for _ in range(repeat):

@@ -1,10 +1,11 @@
 """Agreement of Lemke's algorithm and the active set, condensed and as a saddle-point system, on random plates.
 
-Rectangles and discs, thickness over span from 0.003 to 0.3, in metres or millimetres, newtons or meganewtons, on rigid
-and elastic points, lines, edges, circles and soil, with gaps and settlements, up to 400 contact points. A plate is
-determined by its number. Every answer must pass its certificate. Deflections are compared relative to the largest,
-reactions relative to the largest reaction; if the closed rigid supports are dependent, only deflections are compared;
-if the closed supports leave a rigid motion, not even these.
+The plates are rectangles and discs with thickness over span from 0.003 to 0.3, in metres or millimetres, newtons or
+meganewtons. They rest on rigid and elastic points, lines, edges, circles and soil, with gaps and settlements, and have
+up to 400 contact points. A plate is determined by its number. Every answer must pass its certificate. Differences of
+deflections are relative to the largest deflection, differences of reactions to the largest reaction. Reactions are
+not compared if the closed rigid supports are dependent; deflections are not compared if the closed supports leave a
+rigid motion.
 
     python benchmarks/methods_agree.py --plates 500           # worst differences and times
     python benchmarks/methods_agree.py --plates 40 --check    # exits with 1 unless all agree to 1e-8
@@ -48,14 +49,14 @@ class Compared(NamedTuple):
     reaction: dict[str, float]
 
     def agrees(self, method: str) -> bool:
-        """Whether a method's answer is certified and equals the others, or no method finds an equilibrium."""
+        """Whether this method's answer is certified and equals the others, or no method finds an equilibrium."""
         if set(self.status.values()) == {"no_equilibrium"}:
             return True
         return self.status[method] == "certified" and max(self.deflection[method], self.reaction[method]) <= TOLERANCE
 
 
 def tables(plate: int) -> Tables:
-    """Model of a plate number as the tables of an input file, without the solver's method."""
+    """Input tables of the plate with this number, without the solver's method."""
     rng = np.random.default_rng([20, plate])
     while True:
         drawn = draw(rng)
@@ -69,7 +70,7 @@ def tables(plate: int) -> Tables:
 
 
 def draw(rng: np.random.Generator) -> Tables:
-    """Draw a plate on one-sided supports of every kind, and its loads."""
+    """Draw the input tables of a plate with one-sided supports of every kind and loads."""
     metre, newton = rng.choice([1.0, 1e3]), rng.choice([1.0, 1e-6])
     span = metre * 10 ** rng.uniform(-0.5, 1.5)
     thickness = span * 10 ** rng.uniform(np.log10(0.003), np.log10(0.3))
@@ -133,7 +134,7 @@ def _circle(center: list[float], radius: float) -> Tables:
 
 
 def compare(plate: int) -> Compared:
-    """Solve one plate by every method."""
+    """Solve the plate with this number by every method."""
     drawn = tables(plate)
     status, seconds, work = {}, {}, {}
     deflection, reaction = dict.fromkeys(METHODS, 0.0), dict.fromkeys(METHODS, 0.0)
@@ -160,7 +161,10 @@ def compare(plate: int) -> Compared:
 
 
 def unique(problem: ContactProblem, answer: Answer, length: float) -> tuple[bool, bool]:
-    """Whether deflections are unique (closed points leave no rigid motion), and reactions (independent rows)."""
+    """Whether deflections are unique, and whether reactions are unique.
+
+    Deflections are unique if closed points leave no rigid motion, reactions if rows are independent.
+    """
     found, reaction, gap = problem.discretisation, answer.reaction, answer.gap
     flat = found.contacts.flat_on(answer.piece)
     pressed = found.contacts.two_sided | (~flat & (np.abs(reaction) > 1e-7 * np.abs(reaction).max(initial=0.0)))
@@ -201,7 +205,7 @@ def report(plates: Iterable[Compared]) -> bool:
 
 
 def main() -> int:
-    """Compare a number of plates."""
+    """Compare the methods on as many plates as asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--plates", type=int, default=500, help="how many plates (default 500)")
     parser.add_argument("--first", type=int, default=0, help="number of the first plate (default 0)")

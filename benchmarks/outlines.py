@@ -25,16 +25,16 @@ E, NU, PRESSURE = 1e7, 0.3, 1.0
 PARTS = {"quadrilaterals": 0.0, "mixed": 0.5, "triangles": 1.0}
 DEFLECTION, MOMENT = "deflection", "moment"
 TOLERANCES = {DEFLECTION: 2e-3, MOMENT: 1e-2}
-"""Largest allowed relative errors on the finest meshes."""
+"""Largest allowed relative errors of deflections and moments on the finest meshes."""
 
 
 GETFEM = {"L": 1.3009e-5, "hole": 2.2716e-5}
-"""Extrapolated deflections of `peers/getfem_outlines.py`, certain to about 2e-4."""
+"""Deflections extrapolated by `peers/getfem_outlines.py`, with an error of about 2e-4."""
 
 
 @dataclass(frozen=True)
 class Outline:
-    """A plate with its exact deflection and larger moment at a point, and the element sizes of three meshes."""
+    """A plate with its exact deflection and larger moment at one point, and the element sizes of three meshes."""
 
     title: str
     reference: str
@@ -45,7 +45,7 @@ class Outline:
     sizes: tuple[float, float, float]
     nu: float = NU
     corners: tuple[tuple[float, float], ...] = ()
-    """Corners at which moments grow without limit; elements there have an eighth of the size."""
+    """corners at which moments grow without limit; elements there have an eighth of the size"""
 
     def model(self, size: float) -> Model:
         return Model(
@@ -58,7 +58,7 @@ class Outline:
         )
 
     def errors(self, size: float, part: float) -> dict[str, float]:
-        """Relative errors on a mesh of element ``size``, with a fraction ``part`` of its quadrilaterals divided."""
+        """Relative errors on a mesh of this element size, in which a fraction ``part`` of quadrilaterals is divided."""
         model = self.model(size)
         mesh = halved(discretise(model).mesh, part)
         (combination,) = model.effective_combinations
@@ -88,7 +88,7 @@ def polygon(points: object, thickness: float, **given: object) -> dict[str, obje
 
 
 def arcs(places: np.ndarray) -> list[object]:
-    """Points of a closed polygon of arcs; every second place, of an even number, is the middle of an arc."""
+    """Corners and arcs of a closed polygon through points; every second point is the middle of an arc."""
     closed = [*places.tolist(), places[0].tolist()]
     return [closed[0], *({"through": m, "to": b} for m, b in zip(closed[1::2], closed[2::2], strict=True))]
 
@@ -98,7 +98,7 @@ def edges(count: int) -> list[str]:
 
 
 def triangle() -> Outline:
-    """Simply supported (Timoshenko and Woinowsky-Krieger 1959): w = qa⁴/972D, m = (1 + ν)qa²/54, shear adds qa²/27S."""
+    """Hard edges (Timoshenko and Woinowsky-Krieger 1959): w = qa⁴/972D, m = (1 + ν)qa²/54, shear adds qa²/27S."""
     a, h = 3.0, 0.15
     turn = 0.4 + np.radians([0.0, 120.0, 240.0])
     corners = (2.0 * a / 3.0 * np.column_stack([np.cos(turn), np.sin(turn)])).tolist()

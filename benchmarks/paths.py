@@ -3,11 +3,11 @@
 - A strip of 400 x 1 elements on tensionless soil under its weight and a line load that grows to t = 60, relative to
   one solve of the same model, both with half-widths (target: at most 20). Likewise the base plate of examples/, whose
   anchors begin to pull, also on 96 x 64 elements.
-- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements, without half-widths. It is relative to one
-  linear solve: meshing, factoring and solving on two-sided soil (target: at most 60). Its 500 kN near a corner never
-  tip it, however they grow, since soil is under the resultant. As a lifting force they tip it about the far corner at
-  t = 2/9. Both paths are followed.
-- A raft on 2304 points that is overturned, following every contact point: events per second.
+- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements, without half-widths. Its path is relative
+  to one linear solve: meshing, factoring and solving on two-sided soil (target: at most 60). A downward force of t ×
+  500 kN near a corner never tips the slab, since soil is under the resultant. As an upward force it tips the slab
+  about the far corner at t = 2/9. Both paths are followed.
+- A raft on 2304 points that is overturned; the path follows every contact point: number of events per second.
 - A cover bolted on a gasket one element wide: the pressure in bar at which half of the gasket is open, by contact area
   and by number of points, also on a mesh of half the element size.
 
@@ -37,11 +37,11 @@ _SOIL = {"name": "soil", "area": "all", "stiffness": 30e6}
 _CONCRETE = {"E": 30e9, "nu": 0.2}
 _EXAMPLES = Path(__file__).parents[1] / "examples"
 _PART = 1e-4
-"""Tolerance for the fraction in contact at its event, which is a multiple of a quarter."""
+"""Tolerance for the fraction in contact at an event, which should be a multiple of a quarter."""
 
 
 def strip(along, **more):
-    """Model of a strip on soil, lifted off by a growing line load."""
+    """Model of a strip on soil that a growing line load lifts off."""
     return Model(
         material=_CONCRETE,
         plate={"shape": "rectangle", "size": [0.1 * along, 0.1], "thickness": 0.3},
@@ -56,14 +56,14 @@ def strip(along, **more):
 
 
 def base_plate(divisions, factors):
-    """The base plate of the examples, with one combination."""
+    """Model of the base plate of the examples, with one combination."""
     tables = tomllib.loads((_EXAMPLES / "base_plate.toml").read_text("utf-8"))
     tables |= {"mesh": {"divisions": divisions}, "combination": [{"name": "one", "factors": factors}]}
     return Model(**tables)
 
 
 def slab(support, divisions, pressure=500e3):
-    """Slab A."""
+    """Model of slab A on the given support."""
     return Model(
         material=_CONCRETE,
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
@@ -77,7 +77,7 @@ def slab(support, divisions, pressure=500e3):
 
 
 def gasket(size):
-    """A quarter of the cover of the examples on one flat gasket, 30 mm wide, under bolts of 180 Kgm and 1 bar."""
+    """Model of a quarter of the examples' cover on a flat gasket 30 mm wide, under 1 bar, with bolts at 180 Kgm."""
     tables = tomllib.loads((_EXAMPLES / "circular_cover.toml").read_text("utf-8"))
     symmetry, bolts = tables["support"][0], tables["load"][0]
     ring = {"annulus": {"inner": 310.0, "outer": 340.0}}
@@ -94,7 +94,7 @@ def gasket(size):
 
 
 def seconds_of(action):
-    """CPU seconds, result and number of solves of an action."""
+    """Run an action; return its CPU seconds, its result and its number of solves."""
     count, plain = [0], Sampler.state
 
     def counted(self, *given, **more):
@@ -183,7 +183,7 @@ def fewer_closed(stop):
 
 
 def half_open(sizes):
-    """Print the pressure at which half of a gasket is open, by area and by number of points."""
+    """Print the pressure at which half of a gasket is open: half of the area, and half of the points."""
     for size in sizes:
         found = path(gasket(size), "bolts", "bar", when=["gasket.closed_part = 0.5"])
         (half,) = found.thresholds
@@ -205,7 +205,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     small = [24, 16]
-    seconds_of(lambda: estimate(solve(base_plate(small, {"column": 1.0}))))  # imports modules
+    seconds_of(lambda: estimate(solve(base_plate(small, {"column": 1.0}))))  # a first run, which imports modules
     along, divisions = (40, 20) if given.check else (400, given.divisions)
     grown = strip(along, combination=[{"name": "one", "factors": {"G": 1.0, "Q": 60.0}}])
     wrong = [*with_half_widths(f"strip, {along} x 1", strip(along), grown, "G", "Q", 60.0)]

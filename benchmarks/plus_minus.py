@@ -15,7 +15,7 @@ EDGES = [{"edge": ["left", "right", "bottom", "top"], "resists": "down"}]
 
 
 def seconds(supports, along):
-    """Processor time of a solve with its results, and of their half-widths."""
+    """Processor time [s] of a solve, and of its half-widths."""
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},

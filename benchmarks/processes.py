@@ -10,7 +10,7 @@ from typing import Any
 
 
 def peak_mb() -> float:
-    """Peak resident set of this process, in MB."""
+    """Largest memory of this process up to now [MB]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 

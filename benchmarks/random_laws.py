@@ -42,18 +42,18 @@ from signorini.equilibrium.imbalance import imbalance
 warnings.simplefilter("error", RuntimeWarning)
 TOLERANCE = 1e-8
 _BALANCED = 1e-9
-"""Largest imbalance of a solution, relative to the largest force: a larger one means no equilibrium."""
+"""Largest imbalance of a solution, relative to the largest force; if it is larger, there is no equilibrium."""
 _STEADY = 1e-9
 """Largest relative effect of the rounding of K on the judge's solution: a tenth of the tolerance."""
 _PROVEN = 1e-12
 """Tolerance of Clarabel's proof of infeasibility. It is tight, since plates that move far have small residuals too."""
 _SHARPER = 30
-"""Largest number of sets of pieces on which a solution is refined."""
+"""Largest number of combinations of law pieces on which a solution is refined."""
 Tables = dict[str, Any]
 
 
 def tables(seed: int) -> Tables:
-    """Draw the model of a seed, as the tables of an input file."""
+    """Draw the model of a seed; return the tables of an input file."""
     rng = np.random.default_rng([26, seed])
     drawn = methods_agree.draw(rng)
     pressure = drawn["load"][0]["pressure"]
@@ -85,7 +85,7 @@ def tables(seed: int) -> Tables:
             support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
     for support in list(drawn["support"]):
         if "area" in support and rng.random() < 0.15:
-            # A rigid area that may be opposed by a support that holds down; the program refuses this.
+            # The program refuses a rigid area if a rigid support on it holds the plate down.
             support.pop("stiffness", None)
             continue
         if "area" in support and rng.random() < 0.2:
@@ -102,7 +102,7 @@ def tables(seed: int) -> Tables:
             most = support.get("limit") or (support["law"][-1][1] if "law" in support else np.inf)
             support["preload"] = float(min(0.9 * most, pressure * span**2 * 10 ** rng.uniform(-2, 0)))
             support["order"] = int(rng.integers(1, 3))
-            # With a preload there is no gap, and a settlement would come after the preload.
+            # A preload excludes a gap, and a settlement beside it acts after tightening.
             support.pop("gap", None)
             support.pop("settlement", None)
     return drawn
@@ -160,7 +160,7 @@ def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float)
 
 
 def _straight(rng: np.random.Generator, support: Tables, travel: float) -> list[Tables]:
-    """Give a support a straight law in place of its stiffness; half of the time divide it between two supports."""
+    """Replace a support's stiffness by a straight law; half of the time divide it between two supports."""
     stiffness, others = support.pop("stiffness"), []
     if not isinstance(stiffness, float):
         support["stiffness"] = stiffness
@@ -173,7 +173,7 @@ def _straight(rng: np.random.Generator, support: Tables, travel: float) -> list[
 
 
 def with_stiffness(tables: Tables) -> Tables:
-    """Write two-sided straight laws as stiffnesses."""
+    """Replace two-sided straight laws by stiffnesses."""
 
     def written(support: Tables) -> Tables:
         law = support.get("law", [])
@@ -186,7 +186,7 @@ def with_stiffness(tables: Tables) -> Tables:
 
 
 def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[float]]:
-    """Draw a law of a few pieces: perhaps rigid at first, with plateaus, perhaps yielding at the end."""
+    """Draw a law of a few pieces: it may begin rigid, have plateaus, and yield at the end."""
     points = [[0.0, 0.0]]
     for piece in range(int(rng.integers(1, 5))):
         run, rise = (rng.random() >= 0.3, 1.0) if not piece else (1.0, rng.random() >= 0.3)
@@ -195,9 +195,9 @@ def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[flo
 
 
 class Solution(NamedTuple):
-    """Displacements (3n,), reactions (m,), and their relative change when K is rounded differently.
+    """Displacements (3n,), reactions (m,), and their relative change if K is rounded differently.
 
-    The change is infinite if the solution is not on the pieces that were assumed.
+    The change is infinite if the solution is not on the assumed pieces of the laws.
     """
 
     displacement: np.ndarray
@@ -206,7 +206,7 @@ class Solution(NamedTuple):
 
     @property
     def is_exact(self) -> bool:
-        """Whether the solution is accurate enough to judge others."""
+        """Whether the solution is accurate enough to judge other solutions."""
         return self.rounding <= _STEADY
 
 
@@ -227,7 +227,7 @@ class Program:
         right = self.dof * (load - K @ values)[self.free]
         rows = (G[:, self.free] @ diags_array(self.dof)).tocsr()
         size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
-        # Points on held dofs only have no effect.
+        # Points on held dofs only cannot act on the plate.
         self.size = np.where(size > 0.0, size, 1.0)
         gaps = (self.laws.distance - G @ values) / self.size
         self.force = np.abs(right).max() or np.abs(gaps).max(initial=0.0) or 1.0
@@ -236,14 +236,14 @@ class Program:
         self.right, self.gap = right / self.force, gaps / self.force
 
     def vertices(self, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices (v, 2) of a point's law, travel and force, and slopes (v + 1,) between and beyond them."""
+        """Vertices (v, 2) of a point's law as travel and force; slopes (v + 1,) before, between and after them."""
         law, unit, scale = self.laws.laws[self.laws.law[i]], self.laws.unit[i], self.laws.scale[i]
         travel, force = unit / (self.force * self.size[i]), scale * self.size[i] / self.force
         slopes = np.array([law.ends[0], *law.slopes[1:-1], law.ends[1]]) if not law.straight else np.array(law.ends)
         return np.array(law.vertices) * [travel, force], slopes * force / travel
 
     def solve(self) -> Solution | None:
-        """Solve the program; None if no reactions balance the load."""
+        """Solve the quadratic program; None if no reactions balance the load."""
         n, m = self.K.shape[0], len(self.gap)
         columns, squares, linear, lengths, right = [], [], [], [], self.gap.copy()
         for i in range(m):
@@ -280,7 +280,7 @@ class Program:
         return self.sharpened(displacement, self.force * np.array(end.z[:m]) / self.size)
 
     def sharpened(self, displacement: np.ndarray, reaction: np.ndarray) -> Solution:
-        """Solve the linear equations on the pieces of a solution, until the new solution has the same pieces."""
+        """Solve the linear equations on the law pieces of a solution, until the new solution is on the same pieces."""
         u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
         every, before, rounding = [self.vertices(i) for i in range(len(r))], None, np.inf
         matrix, right, x = self.K, self.right, u
@@ -291,7 +291,7 @@ class Program:
             if pieces == before:
                 size = max(1.0, np.abs(r).max(initial=0.0))
                 left = np.abs(self.K @ u + self.G.T @ r - self.right).max() / size
-                # Imbalance caused by rounding of the displacements.
+                # Imbalance that the rounding of displacements causes.
                 lost = np.finfo(float).eps * (abs(self.K) @ np.abs(u)).max() / size
                 if left <= max(_BALANCED, lost):
                     rounding = max(left, self._rounding(matrix, right, x, len(u)))
@@ -321,7 +321,7 @@ class Program:
         return Solution(displacement, self.force * r / self.size, rounding)
 
     def _rounding(self, matrix: csc_array, right: np.ndarray, x: np.ndarray, n: int) -> float:
-        """Relative change of the solution x (n dofs, then reactions) when K is rounded differently.
+        """Relative change of the solution x (n dofs, then reactions) if K is rounded differently.
 
         K is scaled to a unit diagonal; its entries are sums of element entries of that size.
         """
@@ -340,7 +340,7 @@ class Program:
 
 
 def _loosely(problem: ContactProblem) -> list[str]:
-    """Compare the quadratic program's bolt forces before other loads act with the preloads."""
+    """Compare the preloads of bolts with their forces in the quadratic program before other loads act."""
     bolts = problem.discretisation.contacts.preload
     program = Program(problem, np.zeros(len(problem.held)))
     solution = program.solve()
@@ -353,7 +353,7 @@ def _loosely(problem: ContactProblem) -> list[str]:
 
 
 def _otherwise(given: Tables, answer: Answer) -> list[str]:
-    """Compare with the same supports given by stiffnesses; return an error if the deflections differ."""
+    """Solve with stiffnesses in place of straight laws; return an error if the deflections differ."""
     other = with_stiffness(given)
     if other == given or answer.not_unique:
         return []
@@ -368,7 +368,10 @@ def _otherwise(given: Tables, answer: Answer) -> list[str]:
 
 
 def draw(seed: int) -> tuple[Counter[str], list[str]]:
-    """Solve a plate as `signorini.solve` does and by the quadratic program; return outcome and errors."""
+    """Solve the plate of a seed by `signorini.solve`'s methods and by the quadratic program.
+
+    Return counts of outcomes, and errors.
+    """
     given = tables(seed)
     try:
         problem = contact_problem(Model(**given))
@@ -398,7 +401,7 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
     wrong = _otherwise(given, answer)
     if solution is None:
-        # The quadratic program found no equilibrium; a solution of all equations refutes that.
+        # If the quadratic program found no equilibrium, a solution of all equations refutes it.
         outcome["refuted"] = 1
         solution = program.sharpened(answer.hi + answer.lo, answer.reaction)
         if solution.rounding == np.inf:
@@ -421,7 +424,7 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
 
 
 def show(seed: int) -> None:
-    """Print the model of a seed."""
+    """Print the input of a seed's model."""
     print(json.dumps(tables(seed), indent=1))
 
 

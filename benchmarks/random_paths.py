@@ -48,20 +48,20 @@ from signorini.contact.strategy import answered
 from signorini.discretise import discretise
 
 _FAR = 1e-4
-"""Relative distance from the limit at which equilibrium must exist, or not."""
+"""Relative distance from the limit of equilibrium at which equilibrium is checked on both sides."""
 _FAR_OUT = 1e8
-"""Factor on the last t; at this t a path without further events is checked."""
+"""A path without further events is checked at this multiple of its last t."""
 _SAME = 1e-7
-"""Tolerance for equal deflections, relative to the largest."""
+"""Largest difference of equal deflections, relative to the largest deflection."""
 _BALANCED = 1e-5
 """Largest imbalance at a stop, relative to the load or the largest reaction."""
 _STAYS = 1e-9
-"""Relative tolerance for equal values before and after a jump."""
+"""Largest relative difference of a value before and after a jump that counts as unchanged."""
 _SAMPLES = 12
 _NEAR = 1e-8
 """Tolerance for the t of an event, relative to the path's length."""
 _PART = 1e-6
-"""Tolerance for equal fractions in contact."""
+"""Largest difference of equal fractions in contact."""
 _MOST_FAULTS = 3
 _MOST_STEPS = 500
 """Largest number of solver steps per stop."""
@@ -70,7 +70,7 @@ _MOST_SEGMENTS = 12
 
 
 def at_start(found, start):
-    """Load at t = 0: none, case G, or G and Q."""
+    """Load at t = 0: none, case G, or cases G and Q."""
     return 0.0 * found.cases["G"] if start is None else found.cases["G"] + (start == "both") * found.cases["Q"]
 
 
@@ -79,7 +79,7 @@ def balanced(found, load):
 
 
 def judged(seed):
-    """Outcome of one path, and its errors."""
+    """Follow the path of a seed; return its outcome and its errors."""
     tables, start, add, until, wild = drawn(seed)
     try:
         model = validate(tables)
@@ -95,7 +95,7 @@ def judged(seed):
     try:
         found = path(model, start, add, until, progress=steps.append, events="all")
     except InputError as error:
-        # This includes a point that is the mean over an element.
+        # The test includes points whose row is the mean over an element.
         floats = "rest anywhere" in str(error)
         moves = any(words in str(error) for words in MOVES)
         on_mesh = (
@@ -119,7 +119,7 @@ def judged(seed):
 
 
 def alone(model, start):
-    """Whether the load at t = 0 has a certified solution by itself."""
+    """Whether the load at t = 0 alone has a certified solution."""
     factors = {"G": float(start is not None), "Q": float(start == "both")}
     tables = model.model_dump(exclude_unset=True) | {"combination": [{"name": "start", "factors": factors}]}
     try:
@@ -213,7 +213,7 @@ def other_events(sampled, found):
     for one in mine:
         if not any(same_event(one, other) and abs(one.t - other.t) <= near for other in others):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
-    # Beyond its end the sampled path has solved at powers of 2.
+    # After the end of the exact path, the sampled path has solved at powers of 2.
     times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
     for one in others:
         undone = any(
@@ -254,7 +254,7 @@ def differences(found, t, wild, may_be_unsolved=False):
 
 
 def bent(found, segment, wild):
-    """Yield reactions inside a segment that are not linear between its ends."""
+    """Yield reactions that are not linear in t inside a segment."""
     if wild or found.problem.discretisation.shared:
         return
     t = segment.begin.t + 0.37 * (segment.end.t - segment.begin.t)
@@ -271,7 +271,7 @@ def bent(found, segment, wild):
 
 
 def direct_solution(found, load):
-    """Certified direct answer of a load, if possible by another method than the path's; None without one."""
+    """Certified direct answer of a load, if possible by a method other than the path's; None if there is none."""
     problem = found.problem
     other = "active_set" if problem.method == "lemke" and len(problem.gaps) else "lemke"
     tried = answered(problem.by(other), load)
@@ -279,7 +279,7 @@ def direct_solution(found, load):
 
 
 def scale_of(plate, load, *deflections):
-    """Largest deflection, but at least 10⁻⁶ of F L²/(E h³/12)."""
+    """Largest deflection, or 10⁻⁶ of F L²/(E h³/12) under the load F if that is larger."""
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
     E, h, size = plate.model.young, plate.thickness.min(), plate.mesh.size
     least = 1e-6 * (forces + sum(couples) / size) * size**2 / (E * h**3 / 12)
@@ -287,7 +287,7 @@ def scale_of(plate, load, *deflections):
 
 
 def wrong_stops(found):
-    """Yield stops that differ from direct solutions, or whose reactions do not balance the load."""
+    """Yield stops that differ from direct solutions, or at which reactions do not balance the load."""
     plate, (start, add) = found.problem.discretisation, found._loads
     motions = plate.rigid_motions / [1.0, plate.mesh.size, plate.mesh.size]
     resultants = [part.nodal @ motions for part in (start, add)]
@@ -315,7 +315,7 @@ def wrong_stops(found):
 
 
 def pinned(found, answer):
-    """Whether pressed points and stiffness leave no rigid motion, so that deflections are unique."""
+    """Whether pressed points and springs leave no rigid motion, so that deflections are unique."""
     freedom, contacts = found.problem.freedom, found.problem.discretisation.contacts
     pressed = contacts.two_sided | (answer.reaction > 1e-6 * np.abs(answer.reaction).max(initial=0.0))
     moves = freedom.moves[pressed & ~contacts.two_sided]
@@ -323,7 +323,7 @@ def pinned(found, answer):
 
 
 def idle(found):
-    """Yield events without effect: no switching point presses before or after, or is open."""
+    """Yield events without effect: the points that switch have neither a reaction before or after, nor a gap."""
     pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
         if before.jumps or after.jumps or not len(after.begin.points):

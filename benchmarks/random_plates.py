@@ -37,15 +37,15 @@ from signorini import InputError, NoEquilibriumError, NotCertifiedError, solve, 
 from signorini.discretise import discretise
 
 _NEAR = 1e-7
-"""Imbalance, relative to the load, up to which equilibrium is marginal and either verdict is right."""
+"""Largest imbalance, relative to the load, at which either verdict on equilibrium counts as right."""
 _LOST = 1e-6
-"""Tolerance for the balance of reactions, relative to loads and reactions; a certificate allows 1e-4."""
+"""Largest imbalance of the reactions, relative to loads and reactions; a certificate allows 1e-4."""
 _EXACT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-"""Smallest tolerances of HiGHS; by default it accepts an imbalance of 1e-7."""
+"""Smallest tolerances that HiGHS allows; with its default it accepts an imbalance of 1e-7."""
 MOVES = ("against this motion", "bends in some shapes without resistance")
-"""Message for a plate that can move."""
+"""Parts of messages about a plate that can move."""
 _EXTREME = 4
-"""Every 4th plate is extreme, every 8th is described twice."""
+"""Every 4th model is an extreme plate; every 8th is a plate that is described in two ways."""
 
 
 def balance(found, nodal):
@@ -84,7 +84,7 @@ def reactions_exist(found, nodal):
     total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size
     if total == 0.0:
         return True
-    # Minimise the remaining imbalance, relative to the load.
+    # Minimise the imbalance, relative to the load.
     slack = np.hstack([np.eye(3), -np.eye(3)])
     count = columns.shape[1]
     bounds = [(None if both else 0, None) for both in both_ways] + [(0, None)] * 6
@@ -105,7 +105,7 @@ def deflection_exists(found):
     if scale == 0.0 or not len(rigid):
         return True
     rows = contacts.rows.matrix(found.mesh.elements, found.dof_count)[rigid]
-    # Minimise one overlap common to all rows: rows · u ≤ distance + overlap.
+    # Minimise the overlap in rows · u ≤ distance + overlap, which is common to all rows.
     upper = bmat([[rows, -np.ones((len(rigid), 1))]])
     two = contacts.two_sided[rigid]
     both = upper if not two.any() else bmat([[upper], [bmat([[-rows[two], -np.ones((two.sum(), 1))]])]])
@@ -120,13 +120,13 @@ def deflection_exists(found):
 
 
 def judged(seed):
-    """Outcome of one model, and its errors."""
+    """Outcome and errors of the model of a seed."""
     model = with_judge(seed)
     return judged_ordinary(seed) if model is None else judged_by_its_own(model)
 
 
 def with_judge(seed):
-    """Model of a seed with its own judge; None if a linear program judges it."""
+    """Model of a seed with its own judge; None for a model that a linear program judges."""
     if seed % _EXTREME == _EXTREME - 1:
         return extreme_models.extreme(Random(seed))
     return twofold_models.twofold(Random(seed)) if seed % (2 * _EXTREME) == 1 else None
@@ -150,7 +150,7 @@ def judged_by_its_own(model):
 def judged_ordinary(seed):
     """Outcome and errors of a model that a linear program judges."""
     tables = random_models.model(Random(seed))
-    # Rows of a table would not store a message each.
+    # Rows of a table do not store messages.
     tables["output"] = {"combinations": "each"}
     try:
         model = validate(tables)
@@ -197,7 +197,7 @@ def judged_ordinary(seed):
 
 
 def lost(found, combination, result):
-    """Difference of the reported reactions from the load, relative to loads and reactions; 0 if small."""
+    """Imbalance of the reported reactions and the load, relative to loads and reactions; 0 if small."""
     reported = np.concatenate([support.reactions for support in result.supports])
     size = np.abs(reported).sum()
     for case in found.cases.values():
@@ -208,7 +208,7 @@ def lost(found, combination, result):
 
 
 def _certified_as_advised(tables, refusal):
-    """Whether following the advice in a refusal gives an answer: another element, or no settlements."""
+    """Whether the plate has an answer if changed as a refusal advises: another element, or no settlements."""
     if "Rounding may be" not in refusal:
         return False
     advice = []
@@ -234,7 +234,7 @@ def _is_answered(model):
 
 
 def model_of(seed):
-    """The tables of the model that a seed draws."""
+    """Input tables of the model of a seed."""
     model = with_judge(seed)
     return random_models.model(Random(seed)) if model is None else model.tables
 

@@ -29,7 +29,7 @@ NU = 0.3
 
 @dataclass(frozen=True)
 class Number:
-    """A number of results.json: its path, its reference, and the error of the reference for the modelled plate."""
+    """A number of results.json: its path, its reference value, and the reference's error for the modelled plate."""
 
     name: str
     path: Path
@@ -39,7 +39,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Case:
-    """A plate with known answers: its models on a coarse and a fine mesh."""
+    """A plate with known answers, with its models on a coarse and on a fine mesh."""
 
     title: str
     models: tuple[Callable[[], Model], Callable[[], Model]]
@@ -48,7 +48,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Row:
-    """A number on one mesh with its half-width."""
+    """A number on a mesh with its half-width."""
 
     case: str
     elements: int
@@ -66,7 +66,7 @@ class Row:
 
 
 def rows(case: Case, mesh: int) -> list[Row]:
-    """Solve a case on its coarse mesh, 0, or its finer one, 1."""
+    """Solve a case on its coarse mesh (``mesh`` = 0) or its fine mesh (1)."""
     result = solve(case.models[mesh]())["all"]
     tree, widths = figures(result), estimate(result).plus_minus
     assert widths is not None
@@ -97,7 +97,7 @@ def both(model: Callable[[Any], Model], coarse: Any, fine: Any) -> tuple[Callabl
 
 
 def square(held: Mapping[str, object], thickness: float, references: Sequence[Number], what: str) -> Case:
-    """Unit square under q = 1 with D = 1; probes in the middle, in the middle of a side, and in a corner."""
+    """Unit square under q = 1 with D = 1; probes are in the middle, in the middle of a side, and in a corner."""
 
     def model(n: int) -> Model:
         return Model(
@@ -139,7 +139,7 @@ def squares() -> list[Case]:
 
 
 def circles() -> list[Case]:
-    """Code_Aster SSLS101 and SSLS100, as a mapped disc and as a polygon of arcs."""
+    """Code_Aster SSLS101 and SSLS100, each as a mapped disc and as a polygon of arcs."""
 
     def model(mesh: Mapping[str, object], fix: str, plate: Mapping[str, object], edges: list[str]) -> Model:
         return Model(
@@ -171,7 +171,7 @@ def arc(through: list[float], to: list[float]) -> dict[str, list[float]]:
 
 
 def polygon(points: Sequence[Any], thickness: float, material: Mapping[str, float], at: Any, supports: Any) -> Any:
-    """Return a function that makes the model of a polygon under p = 1 from the element size."""
+    """Return a function of the element size that makes the model of a polygon under p = 1."""
     return lambda size: Model(
         material=material,
         plate={"shape": "polygon", "points": points, "thickness": thickness},
@@ -232,7 +232,7 @@ def closed_forms() -> list[Case]:
 
 
 def tensionless_cases() -> list[Case]:
-    """The cases of `tensionless`, as numbers of results.json."""
+    """The cases of `tensionless`; their quantities are numbers of results.json."""
     area, pressed = support(0, "contact_area"), support(0, "max_pressure")
     strip = [
         Number("contact area", area, 0.5 * sqrt(2) * pi),
@@ -244,7 +244,7 @@ def tensionless_cases() -> list[Case]:
         r, w, rim = (case.exact[name] for name in ("contact radius", "deflection", "rim uplift"))
         numbers = [
             Number("contact area", area, pi * r**2, 2 * pi * r * 5e-7),
-            # The reference is of a thin plate; with h = 0.01 the deflection under a point force grows without limit.
+            # The reference is a thin plate's. With h = 0.01 the deflection under a point force grows without limit.
             Number("deflection under the force", W, w, 2e-3 * w),
             Number("deflection of the rim", probe(1, "deflection"), -rim, 5e-7),
         ]
@@ -364,7 +364,7 @@ def next_storey() -> list[Case]:
         return 0.5250406303 * r * r * np.log(r) - 0.6286090479 * r * r + 0.01726640079 * np.log(r) + 1.046746304
 
     numbers = [Number("deflection at 0", W, -1.0)]
-    # The reference's error: the modelled plate has the thickness 0.01.
+    # Error of the reference, because the modelled plate has the thickness 0.01.
     numbers += [
         Number(f"deflection at {r}", probe(i, "deflection"), -free(r), 2e-5) for i, r in ((1, 0.5), (2, 1), (3, 1.5))
     ]

@@ -21,11 +21,11 @@ from signorini import Model, solve
 from signorini.errors import SignoriniError
 
 WRONG = 0.02
-"""Relative error above which a certified deflection is wrong, many times that of four quadratic beam elements."""
+"""Largest relative error of a right deflection; the error of four quadratic beam elements is far smaller."""
 
 
 def ribbon(seed, number):
-    """Keywords of `Model` for one ribbon, and the exact deflection at its middle."""
+    """Keywords of `Model` for one ribbon, and the exact deflection at the middle of the ribbon."""
     rng = np.random.default_rng((seed, number))
     length = 10.0 ** rng.uniform(-1, 3)
     nu = float(rng.choice([0.0, 0.3]))
@@ -37,7 +37,7 @@ def ribbon(seed, number):
     if turned:
         edges["edge"] = ["bottom", "top"]
     size, divisions = [length, width], [int(rng.integers(4, 9)), int(rng.choice([1, 2, 4]))]
-    # Under a curvature a plate would lift off one-sided edges; so these have a pressure only.
+    # A curvature would lift the plate off one-sided edges, so there the load is a pressure.
     curved = edges.get("fix") == "simple" and rng.random() < 0.3
     load = 10.0 ** rng.uniform(-3, 3)
     if curved:
@@ -63,7 +63,7 @@ def ribbon(seed, number):
 
 
 def judged(seed, number):
-    """Verdict on one ribbon, its error if there is an answer, and the certificate or the reason."""
+    """Verdict on one ribbon, the error if there is an answer, and the certificate or the reason of a refusal."""
     model, exact = ribbon(seed, number)
     try:
         result = solve(Model(**model))["all"]
@@ -74,7 +74,7 @@ def judged(seed, number):
 
 
 def main():
-    """Judge all samples; return 1 if a certified one is wrong."""
+    """Judge all samples; return 1 if a certified answer is wrong."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=700)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,9 +1,10 @@
 """Search for numbers that grow without limit but are not reported as singular: random plates with points.
 
-Each of four meshes has half the element size of the previous one. Numbers that seem to grow must also grow on a fifth
-mesh. They are those of results.json, and the largest moments and shears on the finest mesh outside the reported
-singularities (farther than two elements of the coarsest mesh, and than `within`). Numbers that grow on all steps, by
-the rule of signorini.accuracy.half_width, must be reported. Two effects grow in the same way, but have a limit:
+Each of four meshes has half the element size of the previous one; numbers that grow on all four are also computed on a
+fifth mesh. The numbers are those of results.json, and the largest moments and shears on the finest mesh away from the
+reported singularities (farther than `within` and than two elements of the coarsest mesh). Numbers that grow from each
+mesh to the next, by the rule of signorini.accuracy.half_width, must be reported as singular. Two effects grow in the
+same way, but have a limit:
 
 - boundary layers of edges, thickness steps and ends of supports on meshes that do not resolve them
   (signorini.accuracy.layers). Plates are left out if a solid plate with an equally wide layer is thinner than the
@@ -42,14 +43,14 @@ from signorini.accuracy.half_width import (
 )
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
-"""Factors of element size, the finest first; the finest mesh is solved only if the others show growth."""
+"""Factors of the element size, the finest mesh first. The finest mesh is solved only if the others show growth."""
 _TOO_LONG = 60
 _FEW = (4, 5)
-"""Range of the number of elements along a side for plates that test the script."""
+"""Smallest and largest number of elements along a side if only the script is tested."""
 
 
 class Late(BaseException):
-    """A plate exceeded its time."""
+    """The time for a plate is over."""
 
 
 def _late(number, frame):
@@ -81,7 +82,7 @@ def _solved(model, factor):
 
 
 def growing(results):
-    """Unreported numbers that grow on all steps between meshes, each of twice the element size of the previous."""
+    """Unreported numbers that grow from each mesh to the next, which has half the element size."""
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
     numbers, largest = own.catalogue.numbers, sizes_of(own.numbers[:, None], own.catalogue.numbers, own.model, own.mesh)
@@ -112,7 +113,7 @@ def growing(results):
 
 
 def _thinnest(result):
-    """Smallest thickness of a solid plate with an equally wide boundary layer."""
+    """Thickness of the thinnest solid plate that has a boundary layer as wide as this plate's."""
     solid, rigidities, which = sections_at(result.model, result.mesh.points)
     widths = np.array([math.sqrt(10.0 * one.in_twist / np.linalg.eigvalsh(one.shear).max()) for one in rigidities])
     return (solid * widths[which]).min()

@@ -52,7 +52,7 @@ def ours(elements: int) -> dict[str, float]:
 
 
 def accurate(found: dict[str, float]) -> bool:
-    """Whether settlement, pressure and contact area meet the accuracy."""
+    """Whether settlement, pressure and contact area are accurate enough."""
     return (
         abs(found["settlement"] / CONVERGED["settlement"] - 1) <= 5e-4
         and abs(found["pressure"] / CONVERGED["pressure"] - 1) <= 1e-3
@@ -61,7 +61,7 @@ def accurate(found: dict[str, float]) -> bool:
 
 
 def peer_python() -> str | None:
-    """Path of a Python with GetFEM; None without one."""
+    """Path of a Python that has GetFEM; None if there is none."""
     for python in ("/usr/bin/python3", sys.executable):
         try:
             if subprocess.run([python, "-c", "import getfem"], capture_output=True).returncode == 0:

@@ -45,30 +45,30 @@ class Case:
     divisions: tuple[int, ...]
 
     def errors(self, result: Result) -> dict[str, float]:
-        """Relative error of every quantity."""
+        """Relative error of each quantity by name."""
         return {name: abs(value / self.exact[name] - 1) for name, value in self.figures(result).items()}
 
     def floor(self, name: str) -> float:
-        """Relative error of half a unit of the reference's last digit."""
+        """Half a unit of the last digit of a quantity's reference, relative to the reference."""
         return self.rounding.get(name, 0.0) / abs(self.exact[name])
 
 
 def area(result: Result) -> float:
-    """Area in contact of the first support."""
+    """Contact area of the first support."""
     found = result.supports[0].contact_area
     assert found is not None
     return found
 
 
 def pressure(result: Result) -> float:
-    """Largest pressure under the first support."""
+    """Largest pressure of the first support."""
     found = result.supports[0].max_pressure
     assert found is not None
     return found
 
 
 def slab_a(n: int, method: str = "auto", resists: str = "down") -> Model:
-    """Concrete slab 10 m × 10 m × 0.3 m on soil, 2 kPa everywhere and 500 kN near a corner."""
+    """Concrete slab 10 m × 10 m × 0.3 m on soil, under 2 kPa on the whole slab and 500 kN near a corner."""
     return Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
@@ -112,7 +112,7 @@ def quarter_square(
 
 
 def strip() -> Case:
-    """EI = k = 1, so ℓ = 1; thin, ν = 0, central line load of 1."""
+    """Thin strip on soil with EI = k = 1, so that ℓ = 1, and ν = 0, under a central line load of 1."""
     thickness, width, lam = 0.005, 0.5, 1 / np.sqrt(2)
     peak = 1 / np.tanh(np.pi / 2)
 
@@ -211,7 +211,7 @@ def ssnl130() -> Case:
 
 
 def footing() -> Case:
-    """Rigid square footing of side 2 under a force at a quarter of its side from the middle."""
+    """Rigid square footing of side 2 under a force whose distance from the middle is a quarter of the side."""
 
     def model(n: int) -> Model:
         return Model(

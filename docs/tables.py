@@ -51,13 +51,13 @@ punching = [{ support = "COLUMNS", code = "ACI 318-19", d = [0.15, 0.15], fck = 
 
 
 def _inner(node: Node) -> list[Node]:
-    """Schemas of alternatives and of the members of lists and mappings."""
+    """Schemas of alternatives, list items and mapping values in a schema."""
     found = [*node.get("anyOf", ()), *node.get("oneOf", ()), node.get("items"), node.get("additionalProperties")]
     return [one for one in found if isinstance(one, dict)]
 
 
 def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
-    """Tables (name, schema) that a value may be."""
+    """Name and schema of each table that is allowed as the value of a key."""
     if "$ref" in node:
         return [(name := node["$ref"].rpartition("/")[2], definitions[name])]
     if "properties" in node:
@@ -66,19 +66,19 @@ def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
 
 
 def _range(node: Node) -> str:
-    """Words that a value may be, or bounds of its numbers."""
+    """Allowed words of a value, or bounds of its numbers, as text."""
     own = ", ".join(f"`{json.dumps(word)}`" for word in node.get("enum", ()))
     own = own or " and ".join(text.format(node[key]) for key, text in _BOUNDS.items() if key in node)
     return own or next((found for one in _inner(node) if (found := _range(one))), "")
 
 
 def _section(title: str, *columns: str) -> str:
-    """Heading of a section and of its table."""
+    """Heading of a section, and of its table with these columns."""
     return f"\n## {title}\n\n| {' | '.join(columns)} |\n|{'---|' * len(columns)}"
 
 
 def _row(key: str, node: Node, required: bool) -> str:
-    """Row of a key."""
+    """Table row that describes a key."""
     default, text = node.get("default"), node["description"].rstrip(".").replace("|", "\\|")
     shown = "" if default in (None, []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
     return f"| `{key}` | {text} | {_range(node)} | {'required' if required else shown} |"
@@ -103,14 +103,14 @@ def keys() -> str:
 
 
 def _path(number: Number) -> str:
-    """Keys of a number in results.json, without the indices of owners."""
+    """JSON path of a number in results.json, without the indices of supports, points and so on."""
     own = len(number.path) - len(number.quantity.path)
     keys = (key if isinstance(key, str) else f"[{key if n >= own else ''}]" for n, key in enumerate(number.path))
     return ".".join(keys).replace(".[", "[")
 
 
 def quantities() -> str:
-    """Return docs/quantities.md: numbers of a model with all kinds of owners, the first of each path."""
+    """Return docs/quantities.md, from a model with supports, sections and so on of all kinds."""
     model, lines = signorini.loads(_MODEL), [_QUANTITIES]
     every = [signorini.solve(one)["all"].catalogue for one in (model, signorini.loads(_COLUMNS))]
     numbers = [*every[0], *every[1].only(lambda one: one.home == "punching")]

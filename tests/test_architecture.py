@@ -48,6 +48,7 @@ ONLY_IN = {
     "pyarrow": {"formats"},
     "shapely": {"design", "model", "shapes"},
     "typer": {"cli"},
+    "xlsxwriter": {"formats"},
     "rich": {"cli"},
     "pydantic": {"model", "formats", "expression"},
     "pydantic_core": {"model", "formats", "expression"},
@@ -226,6 +227,16 @@ def rust_faults(source: Path) -> list[str]:
         back = sorted(target for target in graph[place] if layer(target) > layer(place) >= 0)
         found += [f"{place} uses {target}, which stands above it: the arrow runs back." for target in back]
     return found
+
+
+def test_a_module_assigns_each_name_once() -> None:
+    """A second assignment would change the meaning of all uses of the first one."""
+    for path in PACKAGE.rglob("*.py"):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        plain = [target for one in body if isinstance(one, ast.Assign) for target in one.targets]
+        targets = plain + [one.target for one in body if isinstance(one, ast.AnnAssign)]
+        names = [target.id for target in targets if isinstance(target, ast.Name)]
+        assert len(names) == len(set(names)), path
 
 
 def test_uses_of_the_core_run_one_way() -> None:

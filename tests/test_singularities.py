@@ -80,6 +80,7 @@ NAMED = {
     "a rigid disc": (held(HARD, {"area": DISC, "resists": "down"}), None, "pressure"),
     "edges on a floor": (held(FLOOR, force=1, at=[2, 2], patch=[1, 1]), None, "pressure"),
     "corners on a floor": (held(FLOOR, force=1, at=[2, 2], patch=[1, 1]), CORNERS, "shear"),
+    "edges on a curved floor": (held(FLOOR | {"settlement": "1e-4*x**2"}), None, "pressure"),
     "corners of a rigid area": (
         held(HARD, {"area": BOX, "resists": "down"}),
         [[1, 1], [3, 1], [3, 3], [1, 3]],

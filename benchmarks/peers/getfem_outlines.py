@@ -31,7 +31,7 @@ def solve(case, elements):
     centre = np.array([mesh.pts_from_cvid(c)[0].mean(axis=1) for c in mesh.cvid()])
     mesh.del_convex(mesh.cvid()[inside(centre.T, CUT[case])])
     faces = mesh.outer_faces()
-    # Edges of the hole are free; all points of the elements at them are in the inner box.
+    # Edges of the hole are free; all points of the elements beside these edges are in the inner box.
     free = [case == "hole" and inside(mesh.pts_from_cvid(c)[0], (0.5, 0.5, 1.5, 1.5)).all() for c in faces[0]]
     mesh.set_region(1, faces[:, ~np.array(free)])
 

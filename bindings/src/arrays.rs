@@ -1,4 +1,4 @@
-//! Conversion of numpy arrays to Rust vectors, and of Rust vectors to numpy arrays.
+//! Conversion between numpy arrays and Rust vectors.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
@@ -13,7 +13,7 @@ pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Allocates memory for `len` numbers; raises MemoryError if there is not enough.
+/// An empty vector with reserved memory for `len` numbers. Raises MemoryError if there is not enough.
 pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
@@ -22,7 +22,7 @@ pub fn vector<T: numpy::Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> Vec<
     array.as_array().to_vec()
 }
 
-/// The array as a vector; raises ValueError unless it has `length` entries.
+/// The numpy array as a vector. Raises ValueError unless it has `length` entries.
 pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, T>, length: usize) -> PyResult<Vec<T>> {
     if array.len() == length {
         Ok(array.as_array().to_vec())
@@ -31,7 +31,7 @@ pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, 
     }
 }
 
-/// The rows of a matrix with N columns; raises ValueError for another number of columns.
+/// The rows of a numpy matrix with N columns. Raises ValueError if the number of columns differs.
 pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
     what: &str,
     array: &PyReadonlyArray2<'_, T>,
@@ -51,7 +51,7 @@ pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
         .collect())
 }
 
-/// The array as indices less than `size`; raises ValueError for any other number.
+/// The numpy array as a vector of indices. Raises ValueError if a number is negative or not less than `size`.
 pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> PyResult<Vec<usize>> {
     array
         .as_array()
@@ -63,13 +63,13 @@ pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> Py
         .collect()
 }
 
-/// The rows of a matrix as vectors.
+/// The rows of a numpy matrix, each as a vector.
 pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-/// m rows of a plate, made from elements (m + q,), coefficients (m + q, 24) and `further` (q,). The last q entries
-/// continue the rows `further` in other elements.
+/// The table of m rows of supports of a plate, from elements (m + q,), coefficients (m + q, 24) and `further` (q,). The
+/// last q entries continue the rows with the numbers `further` in other elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,
@@ -93,8 +93,8 @@ pub fn element_rows(
     Ok(Rows { element, coefficient, further }.onto_leaders(plate))
 }
 
-/// The row (q,) that each of the last q of `pieces` entries continues; raises ValueError unless they are in ascending
-/// order.
+/// For each of the last q of `pieces` entries, the number of the row (q,) that it continues. Raises ValueError unless
+/// these numbers are in ascending order.
 pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyResult<Vec<usize>> {
     let Some(rows) = pieces.checked_sub(further.len()) else {
         return Err(invalid(format!("{pieces} elements cannot go on {} rows", further.len())));
@@ -103,7 +103,7 @@ pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyRes
     if owners.is_sorted() { Ok(owners) } else { Err(invalid("rows that go on must be in ascending order")) }
 }
 
-/// (elements, rows, further, stiffness, base) of linear springs.
+/// Linear springs as (elements, rows, further, stiffness, base); see `element_rows` for the first three.
 pub type SpringArrays<'py> = (
     PyReadonlyArray1<'py, i64>,
     PyReadonlyArray2<'py, f64>,

@@ -14,7 +14,7 @@ use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope, LeftOut};
 use std::sync::Arc;
 
-/// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions and
+/// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions (m,) and
 /// displacements (m,) of the contact points.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Response {
@@ -39,7 +39,7 @@ impl Response {
         PyArray1::from_slice(py, &self.inner.reaction)
     }
 
-    /// The same response without its displacements, which the contact problem does not read.
+    /// This response without its displacements, which a solve of combinations does not read.
     fn at_points(&self) -> Self {
         Self { inner: at_points(self), of: self.of.clone() }
     }
@@ -50,7 +50,7 @@ impl Response {
     }
 }
 
-/// Data shared by all combinations of some load cases.
+/// Condensed load cases, which all combinations share.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct CombinedCases {
     inner: contact::CombinedCases,
@@ -66,7 +66,7 @@ type Combined<'py> = (
     Bound<'py, PyArray1<i64>>,
 );
 
-/// A response without its displacements, which the contact problem does not read.
+/// The response without its displacements, which a solve of combinations does not read.
 fn at_points(response: &Response) -> contact::Response {
     let r = &response.inner;
     contact::Response {
@@ -77,7 +77,7 @@ fn at_points(response: &Response) -> contact::Response {
     }
 }
 
-/// The response without load, with the held dofs at `held_value` (3n,) and the springs at their bases.
+/// The response without load: held dofs have the values `held_value` (3n,), and springs are at their bases.
 #[pyfunction]
 pub fn rest_response(
     problem: &ContactProblem,
@@ -89,7 +89,7 @@ pub fn rest_response(
     Ok(Response { inner, of: problem.inner.clone() })
 }
 
-/// The responses to nodal loads (k, 3n), with held dofs and bases at zero.
+/// The responses to nodal loads (k, 3n), with the values of held dofs and the bases of springs at zero.
 #[pyfunction]
 pub fn load_responses(
     problem: &ContactProblem,
@@ -101,15 +101,16 @@ pub fn load_responses(
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
-/// The responses to contact points `first` to `end` − 1: each for a unit displacement of the point or a unit force at
-/// it.
+/// The responses to the contact points `first` to `end` − 1, each for a unit displacement of the point or for a unit
+/// force at the point.
 #[pyfunction]
 pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
     let result = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
-/// Condenses load cases for `combine`, from the response without load, those to the cases, and those to the points.
+/// Condenses load cases for `combine`, from the response without load (`rest`), the responses to the cases, and the
+/// responses to all contact points.
 #[pyfunction]
 pub fn combined_cases(
     problem: &ContactProblem,
@@ -131,10 +132,11 @@ pub fn combined_cases(
     Ok(CombinedCases { inner: result.map_err(failed)?, of: problem.inner.clone() })
 }
 
-/// Solves combinations with factors (k, c) of the cases in parallel; none depends on another.
+/// Solves combinations in parallel. `factors` (k, c) has, for each combination, the factors of the load cases. No
+/// result depends on another combination.
 ///
-/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately; factors of the point responses,
-/// reactions and gaps (k, m); whether each point has a force (k, m); number of pivots (k,).
+/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately. Then follow the factors of the point
+/// responses, the reactions and the gaps (k, m), whether each point has a force (k, m), and the number of pivots (k,).
 #[pyfunction]
 pub fn combine<'py>(
     problem: &ContactProblem,
@@ -174,7 +176,8 @@ pub fn combine<'py>(
     ))
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements, each with the plate that it belongs to.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements. Each displacement comes with the plate that it belongs
+/// to.
 pub fn stresses<'py>(
     py: Python<'py>,
     plate: &Plate,
@@ -202,7 +205,7 @@ pub fn stresses<'py>(
     PyArray1::from_vec(py, values).reshape([number, nodes, 5])
 }
 
-/// Product (k, n) of coefficients (k, b) and vectors (b, n), summed in the order of the vectors.
+/// Product (k, n) of coefficients (k, b) and vectors (b, n). Each sum adds the vectors in their order.
 #[pyfunction]
 pub fn superpose<'py>(
     py: Python<'py>,
@@ -222,11 +225,11 @@ pub fn superpose<'py>(
 
 type Peaks<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
-/// Updates an envelope (n,) in place by the sums of vectors (b, n) with coefficients (k, b). `who` (k,) are the numbers
-/// of the combinations.
+/// Updates an envelope (n,) in place with the sums of vectors (b, n) with coefficients (k, b). `who` (k,) has the
+/// numbers of the combinations.
 ///
-/// Returns the largest and smallest value (k, 2) of each sum, and their indices (k, 2). Entry i of a sum is excluded
-/// from them if `left_out` (k, c) is true for its class `classes[i]`.
+/// Returns the largest and the smallest value (k, 2) of each sum, and the indices of these values (k, 2). Entry i of a
+/// sum is excluded from them if `left_out` (k, c) is true for the class `classes[i]`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn envelop<'py>(

@@ -13,35 +13,35 @@ use signorini_core::contact::{
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// A plate on its supports, factored once.
+/// Plates on their supports, factored once for all loads.
 ///
 /// `held` (3n,) is true for dofs with a prescribed value. `springs` is (elements, rows, further, stiffness, base).
-/// `points` is a dict of arrays, the fields of `ContactPoints`. Each of `laws` is (vertices [travel, force], slopes at
-/// both ends). `free_motions` (d, 3n) are the rigid motions that held dofs, springs and two-sided points leave free;
-/// None means no motion. `method` is "lemke", "active_set" or "saddle".
+/// `points` is a dict of arrays, the fields of `ContactPoints`. Each of `laws` is (vertices [travel, force], slopes
+/// before the first and after the last vertex). `free_motions` (d, 3n) are the rigid motions that held dofs, springs
+/// and two-sided points leave free; None means d = 0. `method` is "lemke", "active_set" or "saddle".
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: Arc<contact::ContactProblem>,
 }
 
-/// The m contact points. The reaction of a point is `scale` times the force of its law at the travel (row·u −
+/// Arrays of m contact points. The reaction of a point is `scale` times the force of its law at the travel (row·u −
 /// `distance`) / `unit`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct ContactPoints<'py> {
     elements: PyReadonlyArray1<'py, i64>,
     rows: PyReadonlyArray2<'py, f64>,
-    /// The row that each of the last entries of `elements` and `rows` continues (q,).
+    /// For each of the last q entries of `elements` and `rows`, the number of the row (q,) that it continues.
     further: PyReadonlyArray1<'py, i64>,
     distance: PyReadonlyArray1<'py, f64>,
     law: PyReadonlyArray1<'py, i64>,
     scale: PyReadonlyArray1<'py, f64>,
     unit: PyReadonlyArray1<'py, f64>,
-    /// Stiffness δ (m,) that the factor includes at condensed points.
+    /// Stiffness δ (m,), force/length, that the factor includes at condensed points.
     regularization: PyReadonlyArray1<'py, f64>,
 }
 
-/// Vertices [travel, force], and slopes before the first and after the last vertex.
+/// A law: vertices [travel, force], and the slopes before the first and after the last vertex.
 type Law = (Vec<[f64; 2]>, [f64; 2]);
 
 type PosedLcp<'py> =
@@ -86,7 +86,8 @@ fn form_of(name: &str) -> PyResult<Form> {
 }
 
 impl ContactProblem {
-    /// Returns an error for an object of another problem: equal sizes would hide the mistake.
+    /// Raises an error if an object belongs to another problem. If the sizes of both problems are equal, the mistake
+    /// would otherwise go unnoticed.
     pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
         if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
     }
@@ -96,7 +97,7 @@ impl ContactProblem {
     }
 }
 
-/// Calls `progress` with a step, or checks for signals if it is None.
+/// Calls `progress` with the step, or checks for signals if `progress` is None.
 fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult<()> {
     match progress {
         Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
@@ -104,7 +105,7 @@ fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult
     }
 }
 
-/// Runs a solve with the interpreter released. An exception in `progress`, or a signal, ends the solve.
+/// Runs a solve while the interpreter is released. An exception in `progress`, or a signal, ends the solve.
 fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -113,7 +114,7 @@ fn watched<T: Send>(
     told(py, |py, now| tell(py, progress.as_ref(), now), solve)
 }
 
-/// Messages of a path to the thread of the interpreter.
+/// Messages that the tracer of a path sends to the thread of the interpreter.
 enum News {
     Stop(f64, Vec<i64>, contact::ContactSolution),
     Progress(Progress),
@@ -153,7 +154,7 @@ impl ContactProblem {
             delta: vector(&points.regularization),
             free_motions: free_motions.map_or(Vec::new(), |motions| rows(&motions)),
         };
-        // `Points` has copied the table: a million rows take considerable memory.
+        // `Points` has copied the table, which takes considerable memory if it has a million rows.
         drop(table);
         let method = method_of(method)?;
         let shared = plate.inner.clone();
@@ -161,16 +162,17 @@ impl ContactProblem {
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// The same problem with other distances (m,). Both problems share the factor.
+    /// The same problem with other distances g (m,) of the contact points. Both problems share the factor.
     fn with_distance(&self, distance: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
         Ok(Self { inner: Arc::new(self.inner.with_shift(vector(&distance)).map_err(failed)?) })
     }
 
-    /// Solves one load. `form` is "dual", "stiffness", or None for the better conditioned form. `start` is the solution
-    /// of another load on the same problem; the solve then starts at it.
+    /// Solves one load. `form` is "dual", "stiffness", or None for the better conditioned form of the LCP. The solve
+    /// starts from `start`, the solution of another load on the same problem.
     ///
-    /// `progress(step, changing, residual)` is called after Newton steps or pivots, with the number of points that
-    /// changed their piece and the residual divided by the largest nodal force. An exception in it ends the solve.
+    /// `progress(step, changing, residual)` is called after Newton steps or pivots. `changing` is the number of points
+    /// that changed their piece, `residual` is relative to the largest nodal force. An exception in `progress` ends the
+    /// solve.
     #[pyo3(signature = (load, held_value, form=None, start=None, progress=None))]
     fn solve(
         &self,
@@ -190,8 +192,8 @@ impl ContactProblem {
         self.solution(watched(py, progress, |watch| self.inner.solve(&load, &settings, start, watch))?)
     }
 
-    /// Solves one load and factors its contact state, for warm starts. None if points are condensed, or if there is no
-    /// solution. `progress` as for `solve`.
+    /// Solves one load and factors its contact state, for warm starts. None if the points are condensed, or if there is
+    /// no solution. `progress` is called as in `solve`.
     #[pyo3(signature = (load, held_value, progress=None))]
     fn solve_and_factor(
         &self,
@@ -209,8 +211,8 @@ impl ContactProblem {
         }
     }
 
-    /// Displacements, reactions and gaps under one load on the given pieces (m,). Points may be beyond the ends of
-    /// their pieces.
+    /// Displacements, reactions and gaps under one load on the contact state `pieces` (m,). Points may be beyond the
+    /// ends of their pieces.
     fn solve_on(
         &self,
         py: Python<'_>,
@@ -223,12 +225,12 @@ impl ContactProblem {
         self.solution(released(py, || self.inner.solve_on(&load, &pieces))?)
     }
 
-    /// Traces the path of the load `start` + t `add` from t = 0 to `end`, and returns how it ended: "reached",
-    /// "unbounded" (no more events), "no_equilibrium", "too_many" (events) or "unsolved".
+    /// Traces the path of solutions under the load `start` + t `add` from t = 0 to t = `end`. Returns how the path
+    /// ended: "reached", "unbounded" (no more events), "no_equilibrium", "too_many" (events) or "unsolved".
     ///
-    /// `visit(t, switched, solution)` is called at the start, at every event and at the end, with the points that
-    /// change their piece; `solution.piece` is the contact state after it. An exception in it ends the path. `progress`
-    /// is called between events, at every step of the solves.
+    /// `visit(t, switched, solution)` is called at the start, at every event and at the end. `switched` are the points
+    /// that change their piece; `solution.piece` is the contact state after the event. An exception in `visit` ends the
+    /// path. `progress` is called between events, at every step of the solves.
     #[pyo3(signature = (start, add, held_value, end, visit, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
@@ -267,7 +269,8 @@ impl ContactProblem {
     }
 
     #[pyo3(signature = (load, held_value, form=None))]
-    /// The LCP of one load: M (k, k), q (k,), the contact point of each row, and whether w of each row is a force.
+    /// The LCP w = Mz + q of one load: M (k, k), q (k,), the contact point of each row, and whether w of each row is a
+    /// force.
     fn lcp<'py>(
         &self,
         py: Python<'py>,
@@ -287,7 +290,7 @@ impl ContactProblem {
         ))
     }
 
-    /// K̃⁻¹f (3n,) for a nodal load f, where K̃ is K plus the regularization.
+    /// Displacements K̃⁻¹f (3n,) under a nodal load f, where K̃ = K + Gᵀ diag(δ) G includes the regularization δ.
     fn apply_inverse<'py>(
         &self,
         py: Python<'py>,
@@ -298,14 +301,14 @@ impl ContactProblem {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// Seconds taken to order, to factor and to condense.
+    /// Seconds that ordering, factorization and condensation took.
     #[getter]
     fn seconds(&self) -> (f64, f64, f64) {
         let s = self.inner.seconds;
         (s.order, s.factor, s.condense)
     }
 
-    /// Number of entries of the factor.
+    /// Number of stored entries of the factor.
     #[getter]
     fn factor_entries(&self) -> usize {
         self.inner.factor_size().0

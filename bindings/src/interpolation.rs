@@ -6,14 +6,14 @@ use signorini_core::element::shape;
 
 type Shapes<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 
-/// Values (q, 8) and reference gradients (q, 8, 2) of the serendipity functions at reference points (q, 2).
+/// Values (q, 8) and reference gradients (q, 8, 2) of the serendipity functions at the reference points `xi` (q, 2).
 #[pyfunction]
 pub fn serendipity<'py>(py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyResult<Shapes<'py>> {
     evaluated(py, &xi, shape::serendipity)
 }
 
-/// Values (q, 8) and reference gradients (q, 8, 2) of the quadratic functions on triangles [a, b, c, c, ab, bc, c, ca];
-/// zero where c is repeated.
+/// Values (q, 8) and reference gradients (q, 8, 2) of the quadratic functions on triangles [a, b, c, c, ab, bc, c, ca]
+/// at the reference points `xi` (q, 2). The functions of the repeated c are zero.
 #[pyfunction]
 pub fn triangular<'py>(py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyResult<Shapes<'py>> {
     evaluated(py, &xi, shape::triangular)
@@ -37,8 +37,8 @@ fn evaluated<'py>(
     Ok((PyArray1::from_vec(py, values).reshape([count, 8])?, PyArray1::from_vec(py, gradients).reshape([count, 8, 2])?))
 }
 
-/// Values of the shape functions (q, 8) at reference points (q, 2). `of` (q,) is the element of each point in the
-/// mesh's elements (ne, 8).
+/// Values (q, 8) of the shape functions at reference points (q, 2). `of` (q,) is the element of each point, as an index
+/// into the elements (ne, 8) of the mesh.
 #[pyfunction]
 pub fn shape_values<'py>(
     py: Python<'py>,
@@ -51,7 +51,7 @@ pub fn shape_values<'py>(
     matrix(py, result, 8)
 }
 
-/// Positions (q, 2) of reference points (q, 2) in elements `of` (q,), with nodes at `points` (n, 2).
+/// Positions (q, 2) of the reference points (q, 2) in the elements `of` (q,), whose nodes are at `points` (n, 2).
 #[pyfunction]
 pub fn map_points<'py>(
     py: Python<'py>,
@@ -69,7 +69,7 @@ pub fn map_points<'py>(
     matrix(py, result, 2)
 }
 
-/// Nodal forces (n,) equivalent to `forces` (q,) at reference points (q, 2) in elements `of` (q,).
+/// Work-equivalent nodal forces (n,) of the forces `forces` (q,) at reference points (q, 2) in the elements `of` (q,).
 #[pyfunction]
 pub fn nodal_forces<'py>(
     py: Python<'py>,
@@ -91,7 +91,7 @@ pub fn nodal_forces<'py>(
     Ok(PyArray1::from_vec(py, nodal))
 }
 
-/// Calls `take` with the nodes of the element and the shape functions, for each point in turn.
+/// For each point in turn, calls `take` with the nodes of its element and the shape functions at the point.
 fn each_point(
     elements: &PyReadonlyArray2<'_, i64>,
     of: &PyReadonlyArray1<'_, i64>,

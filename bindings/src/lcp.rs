@@ -7,7 +7,7 @@ use signorini_core::dense;
 use signorini_core::lcp::{self, Lcp, LcpError, LcpStatus, LemkeOptions};
 use std::borrow::Cow;
 
-/// Solution of a linear complementarity problem: z, w, the basis (m,), and how the solver ended.
+/// Solution of a linear complementarity problem: z, w and the basis, each (m,), and how the solver ended.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct LcpSolution {
     inner: lcp::LcpSolution,
@@ -15,8 +15,8 @@ pub struct LcpSolution {
 
 /// Solves w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 by Lemke's algorithm with the lexicographic ratio test.
 ///
-/// `matrix` is M (m, m), `q` (m,). `covering` (m,) > 0 is the covering vector; None means ones. `start` (m,) is true
-/// where z is basic in the solution of a similar problem; the path then starts at this basis.
+/// `matrix` is M (m, m); `q` has shape (m,). `covering` (m,) > 0 is the covering vector; None means a vector of ones.
+/// `start` (m,) is true where z is basic in the solution of a similar problem; the path then starts at this basis.
 #[pyfunction]
 #[pyo3(signature = (matrix, q, covering=None, max_pivots=None, start=None))]
 pub fn lemke(
@@ -57,25 +57,25 @@ pub fn lemke(
 
 #[pymethods]
 impl LcpSolution {
-    /// z (m,); NaN unless solved.
+    /// The complementary variables z (m,); NaN unless the problem is solved.
     #[getter]
     fn z<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.z)
     }
 
-    /// w = Mz + q (m,); NaN unless solved.
+    /// The slacks w = Mz + q (m,); NaN unless the problem is solved.
     #[getter]
     fn w<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.w)
     }
 
-    /// True where z is basic (m,); all False unless solved.
+    /// For each pair (m,), True if z is basic. All entries are False unless the problem is solved.
     #[getter]
     fn basis<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_slice(py, &self.inner.basis)
     }
 
-    /// "solved", "ray" or "pivot_limit".
+    /// How the solver ended: "solved", "ray" or "pivot_limit".
     #[getter]
     fn status(&self) -> &'static str {
         match self.inner.status {
@@ -86,20 +86,20 @@ impl LcpSolution {
         }
     }
 
-    /// The meaning of the status as a sentence.
+    /// The meaning of `status`, as a sentence.
     #[getter]
     fn message(&self) -> &'static str {
         self.inner.status.sentence()
     }
 
-    /// Number of pivots, including the one by which the artificial variable enters.
+    /// Number of pivots, including the pivot by which the artificial variable enters.
     #[getter]
     fn pivots(&self) -> usize {
         self.inner.pivots
     }
 
-    /// Direction v ≥ 0 (m,) of z on the ray, scaled to max v = 1; None unless the status is "ray". Mᵀv ≤ 0 with qᵀv < 0
-    /// proves that no point is feasible.
+    /// Direction v ≥ 0 (m,) of z on the ray, scaled to max v = 1; None unless the status is "ray". If Mᵀv ≤ 0 and qᵀv <
+    /// 0, the problem is infeasible.
     #[getter]
     fn ray<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.inner.ray.as_ref().map(|ray| PyArray1::from_slice(py, ray))

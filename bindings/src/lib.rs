@@ -1,4 +1,4 @@
-//! Python bindings of `signorini-core` and `signorini-mesher`: conversions only.
+//! Python bindings of the crates `signorini-core` and `signorini-mesher`. They only convert arguments and results.
 
 #![forbid(unsafe_code)]
 

@@ -5,19 +5,21 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_mesher::{Line, Loop, MeshOptions, Refinement, mesh};
 
-/// Corners (k, 2); a point (k, 2) on the arc of the side from each corner, NaN for a straight side; names of the sides.
+/// A loop: corners (k, 2); for each side a point (k, 2) on its arc, NaN for a straight side; names (k,) of the sides.
+/// Side i begins at corner i.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
 type MeshArrays<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>);
 
-/// Meshes a plate by its outline and holes. Returns nodes (n, 2), elements (e, 8), the sides of elements on the outline
-/// (k, 3), and the loop and side (k, 2) that each of these is on. A triangle is [a, b, c, c, ab, bc, c, ca].
+/// Meshes a plate within its outline and outside its holes. Returns nodes (n, 2), elements (e, 8), the element sides on
+/// the outline (k, 3), and for each of these sides the loop and the side of this loop (k, 2). A triangle is [a, b, c,
+/// c, ab, bc, c, ca].
 ///
-/// `refinements` (r, 5) are straight lines x, y to x, y, with the element size there. `lines` (l, 8) are x, y to x, y
-/// through x, y (NaN if straight), a rank, and whether the line may be followed in part. Sides of elements follow
-/// `lines`, and `points` (p, 2) become nodes, where there is enough distance. `most` is about the largest number of
-/// elements. The plate is meshed along `axes` (2, 2). A bad outline raises ValueError(message, loop, side) or
-/// ValueError(message).
+/// Each of `refinements` (r, 5) is a straight line from x, y to x, y, and the largest element size along this line.
+/// Each of `lines` (l, 8) is a line from x, y to x, y through x, y (NaN if straight), a rank, and whether it may be
+/// followed in part. Sides of elements follow `lines`, and `points` (p, 2) become nodes, where there is enough
+/// distance. `most` is approximately the largest number of elements. The plate is meshed along `axes` (2, 2). A bad
+/// outline raises ValueError(message, loop, side) or ValueError(message).
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each array is one of Python's")]
 pub fn mesh_outline<'py>(

@@ -13,22 +13,23 @@ use signorini_core::residual::{internal_magnitudes, nodal_force, openings, resid
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// Displacements hi + lo as two arrays of doubles (3n,).
+/// Displacements hi + lo, as two arrays (3n,) of doubles.
 type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// A discretised plate: nodes `points` (n, 2), 8-node `elements` (e, 8), thickness, material, and element `kind`.
+/// A discretised plate: nodes `points` (n, 2), 8-node `elements` (e, 8), thickness, material, and the `kind` of
+/// elements.
 ///
-/// A triangle of "mitc9" has the nodes [a, b, c, c, ab, bc, c, ca]. The kind "q8r" has quadrilaterals only; one side may
-/// be collapsed, [c, c, a, b, c, ca, ab, bc].
+/// A triangle of "mitc9" has the nodes [a, b, c, c, ab, bc, c, ca]. The kind "q8r" has quadrilaterals only, one side of
+/// which may be collapsed: [c, c, a, b, c, ca, ab, bc].
 ///
-/// `thickness` is one number, or the thickness (e, p) at the `section_points` of each element. `layered` is the pair of
-/// elements (k,), in increasing order, inside which the thickness jumps, and rigidities (k, p, 9) at their points.
-/// Rigidities are the entries 11, 12, 13, 22, 23, 33 in bending and 11, 12, 22 in shear. `rigidities` (9,) are those of
-/// the plate for thickness 1, and `young` is the largest Young's modulus. `others` describes m further materials: the
-/// material (e,) of each element (0 is that of the plate), Young's moduli (m,) and rigidities (m, 9).
-/// `stress_elements` (e, 8) are the elements by stress nodes, of which a place has several where moments and shears
-/// jump. `frames` (n, 2) are cos and sin of the first rotation direction of each node. `leaders` (n,) is the node that
-/// each node follows as a rigid body, itself if it is free.
+/// `thickness` is one number, or the thickness (e, p) at the p `section_points` of each element. `layered` is a pair:
+/// the elements (k,), in increasing order, inside which the thickness jumps, and their rigidities (k, p, 9). Nine
+/// rigidities are the entries 11, 12, 13, 22, 23, 33 in bending and 11, 12, 22 in shear. `rigidities` (9,) are those of
+/// the plate for thickness 1, and `young` is its largest Young's modulus. `others` describes m further materials: the
+/// material (e,) of each element (0 is that of the plate), Young's moduli (m,) and rigidities (m, 9). `stress_elements`
+/// (e, 8) has the stress nodes of each element; where moments and shears jump, a node has several stress nodes.
+/// `frames` (n, 2) are cos and sin of the first rotation direction of each node. `leaders` (n,) is the node that each
+/// node follows as a rigid body; a free node is its own leader.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Plate {
     pub inner: Arc<plate::Plate>,
@@ -96,9 +97,9 @@ fn section(values: &[f64]) -> Section {
     Section { bending, shear: [[v[6], v[7]], [v[7], v[8]]] }
 }
 
-/// Reference points (p, 2) at which an element of a kind needs its thickness, for quadrilaterals or for triangles. The
-/// integration points of the stiffness come first, then the four sampling points of moments and shears; for q8r both
-/// are the same points.
+/// Reference points (p, 2) at which an element of a kind needs its thickness; a triangle has other points than a
+/// quadrilateral. The integration points of the stiffness come first, then the four sampling points of moments and
+/// shears. For q8r both are the same points.
 #[pyfunction]
 #[pyo3(signature = (kind, triangle=false))]
 pub fn section_points<'py>(py: Python<'py>, kind: &str, triangle: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -168,8 +169,8 @@ impl Plate {
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// Rows that give w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,): coefficients (q, 24) of
-    /// the nodal displacements in the nodes' frames, and coefficients (q, 2) of the centre rotations.
+    /// Rows that give w, θx or θy (`field` 0, 1, 2) at reference points (q, 2) of elements (q,): coefficients (q, 24)
+    /// of the nodal displacements in nodal frames, and coefficients (q, 2) of the centre rotations.
     fn interpolation_rows<'py>(
         &self,
         py: Python<'py>,
@@ -192,13 +193,13 @@ impl Plate {
         Ok((matrix(py, rows, 24)?, matrix(py, centre, 2)?))
     }
 
-    /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy], and its couples (2e,) on centre rotations.
+    /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy], and its couples (2e,) on the centre rotations.
     fn curvature_load<'py>(&self, py: Python<'py>, curvature: [f64; 3]) -> PyResult<Pair<'py>> {
         let (load, centre) = released(py, || self.inner.curvature_load(curvature))?;
         Ok((PyArray1::from_vec(py, load), PyArray1::from_vec(py, centre)))
     }
 
-    /// f − Ku − spring forces at every dof (3n,), in double-double.
+    /// The residual f − Ku − spring forces at every dof (3n,), in double-double.
     fn residual<'py>(
         &self,
         py: Python<'py>,
@@ -215,8 +216,8 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// distance − g·u (m,) in extended precision. Rows g (m + q, 24) are on elements (m + q,); the last q continue the
-    /// rows `further` (q,) in other elements.
+    /// The gaps distance − g·u (m,), summed in double-double. The rows g (m + q, 24) have coefficients over the dofs of
+    /// elements (m + q,). The last q rows continue the rows with the numbers `further` (q,) in other elements.
     #[allow(clippy::too_many_arguments)]
     fn openings<'py>(
         &self,
@@ -240,8 +241,8 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// Displacements hi + lo (3n,) plus the rigid motion w + sx (x − x0) + sy (y − y0), in extended precision. `center`
-    /// is (x0, y0), `motion` is (w, sx, sy).
+    /// Displacements hi + lo (3n,) plus the rigid motion w + sx (x − x0) + sy (y − y0), summed in double-double.
+    /// `center` is (x0, y0), `motion` is (w, sx, sy).
     fn moved<'py>(
         &self,
         py: Python<'py>,
@@ -256,7 +257,8 @@ impl Plate {
         Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
     }
 
-    /// Largest Σ |element matrix| |displacement| over the dofs (3n,) that are not held. Rounding is relative to it.
+    /// Largest Σ |element matrix| |displacement| over the dofs (3n,) that are not held. Rounding errors of the residual
+    /// are relative to this number.
     fn internal_magnitude(
         &self,
         py: Python<'_>,
@@ -272,9 +274,9 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5), or at the nodes of `stress_elements`, and at the four sampling points of
-    /// each element (e, 4, 5): the 2×2 Gauss points of quadrilaterals, three points near the corners and the centroid
-    /// of triangles.
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5), and at the four sampling points of each element (e, 4, 5). If the plate
+    /// has `stress_elements`, the values at nodes are at their stress nodes. The sampling points are the 2×2 Gauss
+    /// points of a quadrilateral, or three points near the corners and the centroid of a triangle.
     fn stresses<'py>(
         &self,
         py: Python<'py>,
@@ -292,8 +294,8 @@ impl Plate {
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
     }
 
-    /// Nodal forces K_e u − f_κ (k, 24) of elements (k,) in the frames of the nodes, with f_κ the load of the
-    /// stress-free curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of the stiffness.
+    /// Nodal forces K_e u − f_κ (k, 24) of elements (k,) in nodal frames, with f_κ the load of the stress-free
+    /// curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the p integration points of the stiffness.
     fn element_forces<'py>(
         &self,
         py: Python<'py>,
@@ -322,8 +324,8 @@ impl Plate {
         Ok((matrix(py, forces, DOFS)?, stress))
     }
 
-    /// Rows of the strains [κx, κy, 2κxy, γx, γy] at the integration points of elements (k,): (k, p, 120), 24
-    /// coefficients for each strain in turn, of the nodal displacements in the nodes' frames.
+    /// Strain–displacement matrices of elements (k,) at their p integration points, (k, p, 120): 24 coefficients of the
+    /// nodal displacements in nodal frames for each of κx, κy, 2κxy, γx, γy.
     fn strain_rows<'py>(
         &self,
         py: Python<'py>,
@@ -336,7 +338,7 @@ impl Plate {
         PyArray1::from_vec(py, all).reshape([elements.len(), points, 5 * DOFS])
     }
 
-    /// Lower triangle of K with springs, in the order of the mesh: column starts, rows, values.
+    /// Lower triangle of K with springs, with dofs in the order of the mesh: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, &self.inner)?;
         let numbering = Numbering::natural(&self.inner);
@@ -355,7 +357,7 @@ impl Plate {
         self.inner.dof_count()
     }
 
-    /// Packed lower triangles (e, 300) of the element matrices, in x and y.
+    /// Packed lower triangles (e, 300) of the element matrices, for rotations in x and y.
     fn element_stiffness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let count = self.inner.elements().len();
         let all = (0..count).flat_map(|e| self.inner.element_stiffness(e)).copied().collect();

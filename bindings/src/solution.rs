@@ -4,18 +4,20 @@ use pyo3::prelude::*;
 use signorini_core::contact::{self, SolveError};
 use std::sync::Arc;
 
-/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) under one load; NaN unless solved.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) under one load. Numbers are NaN unless the load
+/// has a solution.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
     pub of: Arc<contact::ContactProblem>,
-    /// "solved", "no_equilibrium" or "unsolved".
+    /// How the solve ended: "solved", "no_equilibrium" or "unsolved".
     #[pyo3(get)]
     status: &'static str,
 }
 
 impl ContactSolution {
-    /// A solution, or for a load without a solution its status with NaN for every number. Other failures are errors.
+    /// The solution. For a load without a solution: the status, and NaN for every number. Other failures raise an
+    /// error.
     pub fn of(
         problem: &Arc<contact::ContactProblem>,
         solved: Result<contact::ContactSolution, SolveError>,
@@ -35,7 +37,7 @@ impl ContactSolution {
         Ok(Self { inner, of, status })
     }
 
-    /// The solution; `None` unless the status is "solved".
+    /// The solution of the core; `None` unless the status is "solved".
     pub fn solved(&self) -> Option<&contact::ContactSolution> {
         (self.status == "solved").then_some(&self.inner)
     }
@@ -63,13 +65,13 @@ impl ContactSolution {
         PyArray1::from_slice(py, &self.inner.gap)
     }
 
-    /// Index (m,) of the piece of its law that each point is on.
+    /// For each point (m,), the number of the piece of its law on which the point is.
     #[getter]
     fn piece<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_slice(py, &self.inner.piece)
     }
 
-    /// Whether each point (m,) is not open: it is in contact or yields.
+    /// For each point (m,), whether it is in contact or yields; open points are False.
     #[getter]
     fn closed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_vec(py, self.of.points.acting(&self.inner.piece))

@@ -1,7 +1,8 @@
-//! The thread pools on which the core works.
+//! The thread pools on which the core runs.
 //!
-//! A forked process has none of its parent's threads. It would wait for ever for a pool that it inherits, such as
-//! rayon's global one. Therefore every call of the core runs on a pool of the present process, made at its first use.
+//! A forked process has none of its parent's threads. If it used a pool of its parent, such as rayon's global pool, it
+//! would wait for ever. Therefore every call of the core runs on a pool of the present process, which is made at its
+//! first use.
 
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -10,12 +11,12 @@ use std::cell::Cell;
 use std::process;
 use std::sync::{OnceLock, mpsc};
 
-/// Stack of a thread in bytes, as large as that of a process's first thread: recursions of the core and of faer need
-/// it.
+/// Stack size of a thread in bytes, as large as that of the first thread of a process. Recursions of the core and of
+/// faer need it.
 const STACK: usize = 8 << 20;
 
-/// Process id, and number of callbacks in which the calling thread is. The threads of a pool wait while a callback
-/// runs, so calls from it need another pool.
+/// Key of a pool: the process id, and the depth of callbacks in which the calling thread is. The threads of a pool wait
+/// while a callback runs, so calls of the core from the callback need another pool.
 type Key = (u32, usize);
 
 struct Pool {
@@ -24,7 +25,8 @@ struct Pool {
     next: OnceLock<Box<Pool>>,
 }
 
-/// A list that only grows. It is read without a lock, since another thread might hold a lock while this thread forks.
+/// The pools, a list that only grows. It is read without a lock, since another thread might hold a lock while this
+/// thread forks.
 static POOLS: OnceLock<Box<Pool>> = OnceLock::new();
 
 thread_local! {
@@ -43,23 +45,24 @@ fn pool() -> PyResult<&'static ThreadPool> {
                     .stack_size(STACK)
                     .build()
                     .map_err(|error| PyOSError::new_err(format!("threads to work on cannot be started: {error}")))?;
-                // Another thread may have set it first; the next round then uses that thread's pool.
+                // If another thread has set the entry first, the next round of the loop uses the pool of that thread.
                 let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
             }
         }
     }
 }
 
-/// Runs work of the core with the interpreter released.
+/// Runs `work`, which calls the core, while the interpreter is released.
 pub fn released<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = pool()?;
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// As `released`. `work` gets a function that passes its argument to `tell` and returns whether to continue.
+/// Runs `work` as `released` does. `work` gets a function that passes its argument to `tell` and returns whether to
+/// continue.
 ///
 /// `tell` runs on the calling thread, since Python handles signals and windows on one thread only. An exception in
-/// `tell` ends the work and is the result.
+/// `tell` ends the work and is raised.
 pub fn told<N: Send, T: Send>(
     py: Python<'_>,
     mut tell: impl FnMut(Python<'_>, N) -> PyResult<()> + Send,
@@ -77,7 +80,7 @@ pub fn told<N: Send, T: Send>(
             scope.spawn(move |_| {
                 *result = Some(work(&mut |now| news.send(now).is_ok() && answered.recv().is_ok()));
             });
-            // Without an answer the work ends, also if `tell` panics and drops the channel.
+            // If `tell` gives no answer, the work ends. This holds also if `tell` panics, which drops the channel.
             for now in heard {
                 match Python::attach(|py| in_callback(|| tell(py, now))) {
                     Ok(()) => drop(answer.send(())),
@@ -95,12 +98,13 @@ pub fn told<N: Send, T: Send>(
     }
 }
 
-/// As `released`. `work` gets a function that returns false after a signal such as Ctrl-C.
+/// Runs `work` as `released` does. `work` gets a function that returns false after a signal such as Ctrl-C.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send) -> PyResult<T> {
     told(py, |py, (): ()| py.check_signals(), |tell| work(&mut || tell(())))
 }
 
-/// As `interruptible`, on the calling thread: short work on one thread may end before another thread wakes up.
+/// Runs `work` as `interruptible` does, but on the calling thread: short work on one thread may end before another
+/// thread wakes up.
 pub fn interruptible_alone<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send,
@@ -118,7 +122,7 @@ pub fn interruptible_alone<T: Send>(
     raised.map_or(Ok(output), Err)
 }
 
-/// Runs a callback. Calls of the core from it use a pool whose threads do not wait.
+/// Runs a callback. Calls of the core from the callback use another pool, whose threads do not wait.
 fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
     struct Leaving;
     impl Drop for Leaving {

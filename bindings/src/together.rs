@@ -7,8 +7,8 @@ use crate::threads::told;
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-/// Solves many loads (k, 3n) together by the Newton method, from the solution of another load if given. `progress()` is
-/// called repeatedly; an exception in it cancels all solves.
+/// Solves many loads (k, 3n) together by the Newton method. The solves start from `start`, the solution of another
+/// load, if it is not None. `progress()` is called repeatedly; an exception in it cancels all solves.
 #[pyfunction]
 #[pyo3(signature = (problem, start, loads, held_value, progress=None))]
 pub fn solve_together(
@@ -32,7 +32,8 @@ pub fn solve_together(
     solved.map_err(failed)?.into_iter().map(|solved| problem.solution(solved)).collect()
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several solutions, or at the nodes of the plate's `stress_elements`.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of b solutions. If the plate has `stress_elements`, the values are at their
+/// stress nodes.
 #[pyfunction]
 pub fn solution_stresses<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Assembly of element matrices and springs into the lower triangle of K, in elimination order.
+//! Assembly of element matrices and springs into the lower triangle of K, with columns in elimination order.
 
 use crate::cholesky::{Graph, Matrix, Reader};
 use crate::element::packed;
@@ -9,31 +9,31 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Marks a fixed dof, which has no column.
+/// Value in [`Numbering::column`] for a held dof or a dof of a follower, which has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Column of the factor for each free dof and for each multiplier row.
+/// The order of elimination: the column of the factor for each free dof and for each multiplier row.
 pub struct Numbering {
-    /// Column of each dof, or [`HELD`], then of each multiplier row.
+    /// Column of each dof ([`HELD`] if the dof has none), then the column of each multiplier row.
     pub column: Vec<usize>,
-    /// Dof of each column. Multiplier row i has the number of dofs + i.
+    /// Dof of each column. For the column of multiplier row i the entry is the number of dofs plus i.
     pub dof: Vec<usize>,
-    /// Number of columns of contact dofs, which are the last columns.
+    /// Number of columns of contact dofs. These columns are the last ones.
     pub trailing: usize,
 }
 
-/// A multiplier row g: its force r is an unknown with the equation g·u − compliance · r = 0. A row over many dofs
-/// causes less fill than its spring, which couples all of them. A rigid row has no finite stiffness.
+/// A multiplier row g: the force r on the row is an unknown with the equation g·u − compliance · r = 0. A spring on
+/// many dofs couples all of them; its multiplier row causes less fill. A rigid row has compliance 0.
 #[derive(Clone, Debug, Default)]
 pub struct MultiplierRow {
-    /// Nodes and their three coefficients; each node appears once.
+    /// Each node of the row, with the coefficients of its three dofs; each node appears once.
     pub row: Vec<(usize, [f64; 3])>,
-    /// Compliance; if it is infinite, the force is zero.
+    /// Compliance of the row, length/force; if it is infinite, the force is zero.
     pub compliance: f64,
 }
 
 impl MultiplierRow {
-    /// Makes a row from (dof, coefficient) pairs.
+    /// Makes a multiplier row from (dof, coefficient) pairs.
     pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
         let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
         row.for_each(|(dof, coefficient)| nodes.entry(dof / 3).or_default()[dof % 3] += coefficient);
@@ -42,7 +42,8 @@ impl MultiplierRow {
 }
 
 impl Numbering {
-    /// Numbers the free dofs by nested dissection of elements and coupled pairs; dofs marked `trailing` come last.
+    /// Numbers the free dofs by nested dissection of the elements and of `pairs` of coupled elements. Dofs marked
+    /// `trailing` get the last columns.
     pub fn new(plate: &Plate, pairs: &[[u32; 2]], held: &[bool], trailing: &[bool]) -> Self {
         let order = nested_dissection(plate, pairs);
         let free = |wanted: bool| order.iter().copied().filter(move |&dof| !held[dof] && trailing[dof] == wanted);
@@ -57,9 +58,10 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// As [`Numbering::new`], with multiplier rows. Each row precedes the last of its nodes on a plate; if the row
-    /// connects several plates, on the plate whose last node comes first. Columns before the row keep positive pivots,
-    /// since that node is not yet eliminated and acts as fixed.
+    /// As [`Numbering::new`], with multiplier rows. The column of a multiplier row precedes the columns of the last
+    /// node of the row. If the row connects several plates, the last node of each plate is considered, and the earliest
+    /// of these counts. Columns before the row keep positive pivots, since that node is not yet eliminated and acts as
+    /// fixed.
     pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],
@@ -101,7 +103,7 @@ impl Numbering {
         Self { dof, ..plain }
     }
 
-    /// Numbers all dofs as free, in the order of the mesh.
+    /// Numbers all dofs of a plate as free dofs, in the order of the mesh.
     pub fn natural(plate: &Plate) -> Self {
         let dof: Vec<usize> = (0..plate.dof_count()).collect();
         Self { column: dof.clone(), dof, trailing: 0 }
@@ -116,7 +118,7 @@ impl Numbering {
     }
 }
 
-/// Lower triangle, compressed by columns; rows within a column are unsorted.
+/// Lower triangle of a matrix, compressed by columns; the rows within a column are unsorted.
 #[derive(Default)]
 pub struct LowerTriangle {
     pub column_start: Vec<usize>,
@@ -124,18 +126,21 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
-/// Springs on the deflections of one or two elements, summed by element or pair.
+/// Springs on the deflections of one element or of a pair of elements, summed by element or pair.
 #[derive(Default)]
 pub struct Bedding<'a> {
-    /// Pairs of elements that springs couple; springs of zero stiffness count too.
+    /// Pairs of elements that springs couple, including springs of zero stiffness.
     pub pairs: &'a [[u32; 2]],
-    /// Σ k g gᵀ over the eight deflections of each element, as packed lower triangles; empty without springs.
+    /// Σ k g gᵀ of the springs on each element alone, over its eight deflections, as a packed lower triangle. Empty if
+    /// there are no springs.
     pub own: Vec<[f64; 36]>,
-    /// Σ k g₁g₂ᵀ for each pair, g₁ over the first element and g₂ over the second; empty without springs.
+    /// Σ k g₁g₂ᵀ of the springs on each pair, with g₁ over the deflections of the first element and g₂ over those of
+    /// the second. Empty if there are no springs.
     pub across: Vec<[[f64; 8]; 8]>,
 }
 
-/// Elements that contain a node or one of its followers: (index of the element, local node), compressed by node.
+/// For each node, the elements that contain the node or a follower of it: (index of the element, local node),
+/// compressed by node.
 struct Incidence {
     start: Vec<usize>,
     at: Vec<(usize, usize)>,
@@ -168,22 +173,23 @@ impl Incidence {
     }
 }
 
-/// The matrix K: element matrices, springs and bedding, bordered by multiplier rows.
+/// The matrix K: the sum of element matrices, springs and bedding (springs on deflections), bordered by multiplier
+/// rows.
 ///
-/// Entries are summed each time they are read; the sums are the same for every reader.
+/// The terms of an entry are summed each time the entry is read. Every reader gets the same sum.
 pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
-    /// For each element, the indices of springs on this element alone. The list is empty if K has no springs.
+    /// For each element, the indices of the springs on this element alone. The list is empty if K has no springs.
     attached: Vec<Vec<usize>>,
     linked: Linked,
     bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
-    /// Nodes of the elements in pairs. Element index 2p + i is element i of pair p.
+    /// For each node, its positions in elements of pairs. Here element index 2p + i is element i of pair p.
     paired: Incidence,
     multiplier_rows: &'a [MultiplierRow],
-    /// For each node, (multiplier row, position of the node in this row).
+    /// For each node, the multiplier rows that contain it: (multiplier row, position of the node in this row).
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
     diagonal_shift: f64,
 }
@@ -214,7 +220,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds multiplier rows; the numbering must contain them.
+    /// Adds multiplier rows to the matrix; the numbering must have columns for them.
     pub fn has_multiplier(self, multiplier_rows: &'a [MultiplierRow]) -> Self {
         let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         for (at, multiplier_row) in multiplier_rows.iter().enumerate() {
@@ -225,7 +231,8 @@ impl<'a> Assembly<'a> {
         Self { multiplier_rows, at_nodes, ..self }
     }
 
-    /// Multiplier rows of a node: column and three coefficients, which are zero if the compliance is infinite.
+    /// Multiplier rows that contain a node: the column of each, and its coefficients at the node's three dofs. The
+    /// coefficients are zero if the compliance is infinite.
     fn multiplier_rows_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
         let column = |multiplier_row: usize| self.numbering.column[self.plate.dof_count() + multiplier_row];
         let present =
@@ -239,8 +246,8 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Appends (row, value) of a multiplier's column to `entries`: diagonal −compliance, and coefficients of later
-    /// columns.
+    /// Appends the entries (row, value) of a multiplier's column to `entries`: −compliance on the diagonal, and the
+    /// coefficients of dofs with later columns.
     fn multiplier_column(&self, multiplier_row: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
         let MultiplierRow { row, compliance } = &self.multiplier_rows[multiplier_row];
         let (part, own) = if compliance.is_finite() { (1.0, -compliance) } else { (0.0, -1.0) };
@@ -254,20 +261,20 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Multiplies the diagonal entries of dofs by 1 + `part`.
+    /// Multiplies the diagonal entries of K at dofs by 1 + `part`.
     pub fn diagonal_shift(self, part: f64) -> Self {
         Self { diagonal_shift: part, ..self }
     }
 
-    /// Nodes connected to a node by elements and springs, including the node itself; some appear more than once.
+    /// Nodes that elements and springs connect to `node`, including `node` itself. Some nodes appear more than once.
     fn around(&self, node: usize) -> impl Iterator<Item = usize> {
         let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| *self.plate.leading(e));
         let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
         of_elements.chain(of_links)
     }
 
-    /// Entries (row, value) with which pairs couple a column's deflection to later columns; some rows appear more than
-    /// once.
+    /// Entries (row, value), below the diagonal, of springs on pairs of elements in the column of a deflection. Some
+    /// rows appear more than once.
     fn across(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
         let Numbering { column: of_dof, dof, .. } = self.numbering;
         let places = if dof[column] % 3 == 0 { self.paired.of(dof[column] / 3) } else { &[] };
@@ -281,7 +288,7 @@ impl<'a> Assembly<'a> {
         entries.filter(move |&(row, _)| row > column && row != HELD)
     }
 
-    /// The whole lower triangle, computed in parallel.
+    /// The lower triangle of K, computed in parallel.
     pub fn lower_triangle(&self) -> LowerTriangle {
         const CHUNK: usize = 4096;
         let columns = self.numbering.len();
@@ -319,8 +326,8 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let dofs = self.plate.dof_count();
         let block = |c: usize| if dof[c] < dofs { dof[c] / 3 } else { dof[c] };
-        // A block begins at each deflection, whose column has more rows than the next ones: the node's slopes, and
-        // pairs.
+        // Columns of a block have equal patterns. Springs on pairs add rows to the column of a deflection only, so a
+        // block begins at each deflection and ends before the next one.
         let begins = |c: usize| c == 0 || block(c) != block(c - 1) || (dof[c] < dofs && dof[c] % 3 == 0);
         let first = (0..dof.len()).filter(|&c| begins(c)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
@@ -335,7 +342,7 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // Consecutive columns of a node are in one block, so only the first is added.
+                    // Consecutive columns of a node are in one block; only the first of them is added.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }
@@ -378,7 +385,7 @@ impl Matrix for Assembly<'_> {
     }
 }
 
-/// The three columns of one node: its neighbours, and its 3×3 block with each neighbour.
+/// The three columns of one node in K: the neighbours of the node, and a 3×3 block for each neighbour.
 struct NodeColumns<'a> {
     of: &'a Assembly<'a>,
     node: usize,
@@ -393,7 +400,8 @@ impl<'a> NodeColumns<'a> {
         Self { of, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
     }
 
-    /// Finds the neighbours of a node, including itself, without those whose columns are all earlier.
+    /// Finds the neighbours of a node, including the node itself. Neighbours whose columns all precede those of the
+    /// node are left out.
     fn meet(&mut self, node: usize) {
         for &n in &self.neighbours {
             self.slot[n] = usize::MAX;
@@ -410,7 +418,7 @@ impl<'a> NodeColumns<'a> {
         }
     }
 
-    /// Sums the 3×3 blocks in a node's columns.
+    /// Sums the 3×3 blocks of K in the three columns of a node.
     fn sum(&mut self, node: usize) {
         self.meet(node);
         let Assembly { plate, springs, attached, linked, bedding, incidence, .. } = self.of;
@@ -420,7 +428,7 @@ impl<'a> NodeColumns<'a> {
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.leading(e).iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
-                // In the packed triangle the entries of a row are contiguous.
+                // The packed lower triangle has contiguous rows.
                 let mut own = match i.cmp(&local) {
                     Ordering::Greater => {
                         std::array::from_fn(|a| *lower[packed(3 * i + a, 3 * local)..].first_chunk().expect("three"))
@@ -481,8 +489,8 @@ impl<'a> NodeColumns<'a> {
     }
 }
 
-/// B_rowᵀ · block · B_column, where B maps the leader's motion to the node's; `row` and `column` are positions relative
-/// to the leader.
+/// Replaces `block`, the 3×3 block of two nodes, by B_rowᵀ · block · B_column, where B maps the motion of a leader to
+/// that of its follower. `row` and `column` are the positions of the two nodes relative to their leaders.
 fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     for k in 0..2 {
         (0..3).for_each(|b| block[1 + k][b] += row[k] * block[0][b]);
@@ -492,7 +500,7 @@ fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     }
 }
 
-/// T_rowᵀ · block · T_column, where T maps the slopes in a node's frame to x and y.
+/// Replaces `block` by T_rowᵀ · block · T_column, where T maps the slopes in the frame of a node to slopes in x and y.
 fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<[f64; 2]>) {
     if let Some([c, s]) = row {
         for b in 0..3 {
@@ -510,17 +518,17 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
     }
 }
 
-/// A spring on several elements; `row` has nodes and coefficients.
+/// A spring on several elements; `row` has each node with the coefficients of its three dofs.
 struct Link {
     row: Vec<(usize, [f64; 3])>,
     stiffness: f64,
 }
 
-/// Springs on several elements, and their index by node.
+/// Springs on several elements, and the indices of the springs at each node.
 #[derive(Default)]
 struct Linked {
     links: Vec<Link>,
-    /// For each node, (index in `links`, position of the node in this link's row).
+    /// For each node, the springs that act on it: (index in `links`, position of the node in the spring's row).
     at: BTreeMap<usize, Vec<(usize, usize)>>,
 }
 
@@ -540,7 +548,7 @@ impl Linked {
         linked
     }
 
-    /// Springs on a node, each with the node's position in its row.
+    /// Springs on several elements that act on a node: (position of the node in the spring's row, spring).
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
         self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
     }

@@ -1,11 +1,11 @@
 //! Nodes that follow a leader as one rigid body.
 //!
-//! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on it act on the
-//! leader as a force and couples. Displacements are stored at all nodes, residual forces at leaders only.
+//! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on a follower act on
+//! its leader, with couples. Displacements are stored at all nodes, residual forces at leaders only.
 
 use crate::double_double::DoubleDouble;
 
-/// A node with its leader and its position relative to the leader, a difference of doubles without rounding error.
+/// A follower with its leader, and its position relative to the leader as an exact difference of doubles.
 #[derive(Clone, Copy)]
 pub struct Follower {
     pub node: usize,
@@ -19,7 +19,7 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Makes the bodies from the leader of each node; a free node is its own leader.
+    /// Makes the rigid bodies from the leader of each node; a free node is its own leader.
     pub fn new(points: &[[f64; 2]], leader: &[usize]) -> Self {
         let follower = |(node, &leader): (usize, &usize)| {
             let arm = [0, 1].map(|k| DoubleDouble::from(points[node][k]) - DoubleDouble::from(points[leader][k]));
@@ -37,12 +37,12 @@ impl Bodies {
         self.followers.is_empty()
     }
 
-    /// Moves forces from followers to their leaders, with the couples that this causes.
+    /// Moves the forces on followers to their leaders, and adds the couples of these forces about the leaders.
     pub fn gather(&self, force: &mut [f64]) {
         self.gathered(force, |arm| arm);
     }
 
-    /// Moves magnitudes of forces from followers to their leaders; couples use |arm|.
+    /// Moves magnitudes of forces from followers to their leaders; a force adds |arm| times itself to the couples.
     pub fn gather_magnitudes(&self, force: &mut [f64]) {
         self.gathered(force, f64::abs);
     }
@@ -57,7 +57,7 @@ impl Bodies {
         }
     }
 
-    /// Sets the displacements of followers to the rigid motion of their leaders.
+    /// Sets the displacements of followers in a nodal vector to the rigid motion of their leaders.
     pub fn follow(&self, vector: &mut [f64]) {
         for Follower { node, leader, arm } in &self.followers {
             let [w, x, y] = std::array::from_fn(|k| vector[3 * leader + k]);

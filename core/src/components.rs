@@ -1,4 +1,4 @@
-//! Connected components of a mesh: one per plate.
+//! Connected components of a mesh. Each plate is one component.
 
 /// Component number of each node; components are numbered in the order of their first nodes.
 #[derive(Clone, Default)]
@@ -8,10 +8,11 @@ pub struct Components {
 }
 
 impl Components {
-    /// Makes the components from connected sets of nodes.
+    /// Makes the components of a mesh with `nodes` nodes. Each of `connected` is a list of nodes that are connected
+    /// with each other.
     pub fn new<'a>(nodes: usize, connected: impl Iterator<Item = &'a [usize]>) -> Self {
-        // Union–find: `before` refers to an earlier node of the component; each chain ends at the component's first
-        // node.
+        // Union–find: `before` has an earlier node of the same component, or the node itself if it is the first. Each
+        // chain ends at the first node of its component.
         let mut before: Vec<usize> = (0..nodes).collect();
         let first_of = |before: &mut [usize], mut node: usize| {
             while before[node] != node {

@@ -1,4 +1,4 @@
-//! Dense matrices and their factors, with checked allocation.
+//! Dense matrices and their factors; a failed allocation is an error, not a panic.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt;
@@ -7,39 +7,39 @@ use faer::linalg::matmul::matmul;
 use faer::perm::Perm;
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
 
-/// The allocation failed.
+/// Error: there is not enough memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfMemory;
 
-/// Smallest matrix order for which dense operations use all threads.
+/// Smallest order of a matrix for which dense operations use all threads.
 pub const PARALLEL_ORDER: usize = 400;
 
 pub fn parallelism(order: usize) -> Par {
     if order < PARALLEL_ORDER { Par::Seq } else { Par::rayon(0) }
 }
 
-/// An empty vector with memory for `len` numbers.
+/// An empty vector with reserved memory for `len` numbers.
 pub fn room(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     let mut numbers = Vec::new();
     numbers.try_reserve_exact(len).map_err(|_| OutOfMemory)?;
     Ok(numbers)
 }
 
-/// `len` zeros.
+/// A vector of `len` zeros.
 pub fn zeros(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     let mut numbers = room(len)?;
     numbers.resize(len, 0.0);
     Ok(numbers)
 }
 
-/// Matrix (rows, columns) with the entries `entry(i, j)`, row-major.
+/// The entries `entry(i, j)` of a matrix (rows, columns) in a row-major vector.
 pub fn row_major(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Result<Vec<f64>, OutOfMemory> {
     let mut matrix = room(rows.checked_mul(columns).ok_or(OutOfMemory)?)?;
     (0..rows).for_each(|i| matrix.extend((0..columns).map(|j| entry(i, j))));
     Ok(matrix)
 }
 
-/// Matrix (rows, columns) with the entries `entry(i, j)`.
+/// The matrix (rows, columns) with the entries `entry(i, j)`.
 pub fn matrix(rows: usize, columns: usize, entry: impl FnMut(usize, usize) -> f64) -> Result<Mat<f64>, OutOfMemory> {
     let mut matrix = Mat::new();
     matrix.try_reserve(rows, columns).map_err(|_| OutOfMemory)?;
@@ -55,7 +55,7 @@ pub fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Result<Mat<f64>
     Ok(product)
 }
 
-/// The factorization P A = L U with partial pivoting.
+/// The factorization P A = L U of a square matrix, with partial pivoting.
 pub struct Lu {
     factors: Mat<f64>,
     permutation: Perm<usize>,
@@ -63,7 +63,7 @@ pub struct Lu {
 }
 
 impl Lu {
-    /// Factors a square matrix, which may be singular.
+    /// Factors a square matrix. The matrix may be singular; then a pivot is zero.
     pub fn of(mut matrix: Mat<f64>) -> Result<Self, OutOfMemory> {
         let order = matrix.nrows();
         let parallelism = parallelism(order);
@@ -76,7 +76,7 @@ impl Lu {
         Ok(Self { factors: matrix, permutation, parallelism })
     }
 
-    /// Whether the magnitude of every pivot is finite and larger than `least`.
+    /// Whether every pivot is finite and larger than `least` in magnitude.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.factors.ncols()).map(|i| self.factors[(i, i)].abs()).all(|pivot| pivot > least && pivot.is_finite())
     }
@@ -91,11 +91,11 @@ impl Lu {
     }
 }
 
-/// The factorization A = L Lᵀ.
+/// The factorization A = L Lᵀ of a symmetric positive definite matrix.
 pub struct Cholesky(Mat<f64>);
 
 impl Cholesky {
-    /// Factors a matrix from its lower triangle; `None` if it is not positive definite.
+    /// Factors a symmetric matrix from its lower triangle; `None` if the matrix is not positive definite.
     pub fn of(mut matrix: Mat<f64>) -> Result<Option<Self>, OutOfMemory> {
         let parallelism = parallelism(matrix.nrows());
         let scratch = llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), parallelism, Default::default());
@@ -106,7 +106,7 @@ impl Cholesky {
         Ok(done.is_ok().then_some(Self(matrix)))
     }
 
-    /// Whether every pivot is larger than `least`.
+    /// Whether every pivot of the factorization is larger than `least`.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.0.ncols()).all(|i| self.0[(i, i)].powi(2) > least)
     }
@@ -118,7 +118,7 @@ impl Cholesky {
     }
 }
 
-/// Scratch memory for faer.
+/// Allocates the scratch memory that a function of faer requires.
 fn memory(of: StackReq) -> Result<MemBuffer, OutOfMemory> {
     MemBuffer::try_new(of).map_err(|_| OutOfMemory)
 }

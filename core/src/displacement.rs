@@ -1,4 +1,4 @@
-//! Displacements in double-double, and their part that causes strain in an element.
+//! Displacements in double-double, and their part without the rigid motion of an element.
 
 use crate::bodies::{Bodies, Follower};
 use crate::double_double::DoubleDouble;
@@ -6,7 +6,7 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::vectorized::vectorized;
 
-/// Nodal displacements u = hi + lo.
+/// Nodal displacements u = hi + lo (3n,), each the sum of two doubles.
 #[derive(Clone, Debug, Default)]
 pub struct Displacement {
     pub hi: Vec<f64>,
@@ -28,7 +28,8 @@ impl Displacement {
         (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
     }
 
-    /// Sets the displacements of followers in double-double, so that rigid bodies have no strain.
+    /// Sets the displacements of followers from those of their leaders. The sums are in double-double, so that rigid
+    /// bodies have no strain.
     pub fn follow(&mut self, bodies: &Bodies) {
         for Follower { node, leader, arm } in bodies.followers() {
             let [w, x, y] = std::array::from_fn(|k| self.at(3 * leader + k));
@@ -39,8 +40,8 @@ impl Displacement {
         }
     }
 
-    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of each component in double-double, so that rounding causes
-    /// no strain. `motions` has [w, sx, sy].
+    /// Adds to each component its rigid motion w + sx (x − cx) + sy (y − cy), with (cx, cy) = `centre`. `motions` has
+    /// [w, sx, sy]. The sum is in double-double, so that rounding causes no strain.
     pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], motions: &[[f64; 3]]) {
         let add = |to: &mut Self, i: usize, what: DoubleDouble| {
             let sum = to.at(i) + what;
@@ -55,7 +56,8 @@ impl Displacement {
             add(self, 3 * node, DoubleDouble::from(w) + along(sx, 0) + along(sy, 1));
             let slopes = match plate.frame(node) {
                 Some([c, s]) => {
-                    // Inverse of [`Displacement::slopes`]; c² + s² equals 1 except for rounding.
+                    // The inverse of [`Displacement::slopes`]. The division corrects c² + s², which is 1 except for
+                    // rounding.
                     let square = DoubleDouble::from(c).times(c) + DoubleDouble::from(s).times(s);
                     let excess = (square - DoubleDouble::from(1.0)).value();
                     let turned = |a: f64, b: f64| {
@@ -72,7 +74,7 @@ impl Displacement {
         }
     }
 
-    /// θx, θy of a node, whose displacements are in its frame.
+    /// Slopes θx, θy of a node. The stored slopes are in the frame of the node.
     fn slopes(&self, plate: &Plate, node: usize) -> [DoubleDouble; 2] {
         let [p, q] = [self.at(3 * node + 1), self.at(3 * node + 2)];
         match plate.frame(node) {
@@ -81,12 +83,12 @@ impl Displacement {
         }
     }
 
-    /// Displacements of an element in x and y, minus the rigid motion of its first node.
+    /// Displacements of an element in x and y, minus the rigid motion of the element's first node.
     pub fn strained(&self, plate: &Plate, e: usize) -> [f64; DOFS] {
         self.stripped(plate, e).map(DoubleDouble::value)
     }
 
-    /// [`Displacement::strained`] in double-double.
+    /// The displacements of [`Displacement::strained`], in double-double.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         vectorized(
             #[inline(always)]
@@ -103,7 +105,8 @@ impl Displacement {
         let mut out = [DoubleDouble::default(); DOFS];
         for i in 1..8 {
             let point = plate.point(nodes[i]);
-            // Differences of coordinates have no rounding error: a rigid motion must not strain the element.
+            // Differences of coordinates are computed without rounding, since a rigid motion must not strain the
+            // element.
             let along =
                 |k: usize| slope[k].times_sum_fused(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
             let rigid = along(0) + along(1);

@@ -1,6 +1,7 @@
-//! Unevaluated sums of two doubles, about 32 digits (Dekker 1971; Knuth's two-sum).
+//! Unevaluated sums of two doubles, with about 32 digits (Dekker 1971; Knuth's two-sum).
 
-/// `hi + lo`. [`DoubleDouble::new`] makes |lo| at most half a unit in the last place of `hi`; `add_product` does not.
+/// The number `hi + lo`. [`DoubleDouble::new`] makes |lo| at most half a unit in the last place of `hi`; `add_product`
+/// does not.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble {
     pub hi: f64,
@@ -37,7 +38,7 @@ impl DoubleDouble {
         self.hi + self.lo
     }
 
-    /// Adds a · b.
+    /// Adds the exact product a · b.
     #[inline]
     pub fn add_product(&mut self, a: f64, b: f64) {
         let (product, error) = two_product(a, b);
@@ -45,8 +46,8 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + (carried + error) };
     }
 
-    /// Same as [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add. It is faster if the code is compiled
-    /// for machines with this instruction, much slower if not.
+    /// Same result as [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add. This is faster if the code
+    /// is compiled for machines with such an instruction, and much slower otherwise.
     #[inline(always)]
     pub fn add_product_fused(&mut self, a: f64, b: f64) {
         let product = a * b;
@@ -56,18 +57,19 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + ((self.hi - (sum - part)) + (product - part) + error) };
     }
 
-    /// `self · factor`.
+    /// The product `self · factor` with a double.
     pub fn times(self, factor: f64) -> Self {
         let (p, e) = two_product(self.hi, factor);
         Self::new(p, e + self.lo * factor)
     }
 
-    /// `self · factor`, for a factor in double-double.
+    /// The product `self · factor` of two numbers in double-double.
     pub fn times_sum(self, factor: Self) -> Self {
         self.times(factor.hi) + self.times(factor.lo)
     }
 
-    /// The bits of [`DoubleDouble::times_sum`], by fused multiply-adds; see [`DoubleDouble::add_product_fused`].
+    /// Same result as [`DoubleDouble::times_sum`], bit for bit, by fused multiply-adds; see
+    /// [`DoubleDouble::add_product_fused`].
     #[inline(always)]
     pub fn times_sum_fused(self, factor: Self) -> Self {
         let times = |factor: f64| {

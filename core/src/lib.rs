@@ -1,4 +1,5 @@
-//! Reissner–Mindlin plates on supports that may act in one direction only: arrays in, arrays out.
+//! The core of signorini: Reissner–Mindlin plates on supports that may act in one direction only. Arguments and results
+//! are arrays.
 //!
 //! Signs: z and the deflection w point down; loads are positive down; a reaction is positive if it pushes the plate up;
 //! moments are positive if they sag. Rotations are slopes, θx ≈ ∂w/∂x.

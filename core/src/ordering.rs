@@ -1,16 +1,17 @@
-//! Nested dissection by the geometry of the mesh (George 1973).
+//! Nested dissection by the geometry of the mesh (George 1973), which gives the order of elimination.
 //!
-//! A cell is an element or a pair of coupled elements. Cells are split at the median of their centroids along the
+//! A cell is an element or a pair of coupled elements. Cells are divided at the median of their centroids along the
 //! longer side of their bounding box. The nodes that both halves share are the separator; it is numbered after both
-//! halves, which are split recursively. A pair contains only the deflections of its nodes. So the deflection and the
-//! slopes of a node are separate parts.
+//! halves, which are divided in the same manner. A pair contains only the deflections of its nodes. So the deflection
+//! and the slopes of a node are separate parts.
 
 use crate::plate::Plate;
 
-/// Largest number of cells in a leaf of the dissection tree.
+/// Largest number of cells (elements or pairs of elements) in a leaf of the dissection tree.
 const LEAF: usize = 2;
 
-/// Dofs in elimination order, without the dofs of nodes that follow another node.
+/// The dofs in elimination order, without the dofs of nodes that follow a leader. `pairs` are pairs of coupled
+/// elements.
 pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
     let mut centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
     for pair in pairs {
@@ -34,10 +35,10 @@ pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
     all.order.into_iter().flat_map(dofs).collect()
 }
 
-/// A node has two parts: its deflection is 2n, its slopes are 2n + 1.
+/// State of the dissection. Node n has two parts: its deflection is part 2n, its slopes are part 2n + 1.
 struct Dissection<'a> {
     plate: &'a Plate,
-    /// Pairs of coupled elements; their cell numbers follow those of the elements.
+    /// Pairs of coupled elements. The cell numbers of pairs follow those of the elements.
     pairs: &'a [[u32; 2]],
     centroids: Vec<[f64; 2]>,
     seen: Vec<usize>,
@@ -47,7 +48,7 @@ struct Dissection<'a> {
 }
 
 impl<'a> Dissection<'a> {
-    /// Parts in a cell: deflections and slopes of an element, deflections of a pair.
+    /// The parts in a cell: deflections and slopes of the nodes of an element, or deflections of the nodes of a pair.
     fn parts(&self, cell: usize) -> impl Iterator<Item = usize> + use<'a> {
         let plate = self.plate;
         let (elements, own) = match cell.checked_sub(plate.elements().len()) {
@@ -91,7 +92,8 @@ impl<'a> Dissection<'a> {
         usize::from(high[1] - low[1] > high[0] - low[0])
     }
 
-    /// Parts that are in both halves and in no earlier separator, ordered along the cut. Marks them as placed.
+    /// The parts that are in cells of both halves and in no earlier separator, ordered along the cut. They are marked
+    /// as placed.
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
         for &cell in left {
@@ -118,7 +120,7 @@ impl<'a> Dissection<'a> {
     fn unplaced(&self, cells: &[usize]) -> Vec<usize> {
         let mut parts: Vec<usize> =
             cells.iter().flat_map(|&cell| self.parts(cell)).filter(|&part| !self.placed[part]).collect();
-        // Parts in one cell only come first: their elimination causes no fill.
+        // Parts that occur in one cell only come first, since their elimination causes no fill.
         parts.sort_unstable();
         let count = |part: usize| parts.iter().filter(|&&other| other == part).count();
         let mut unique: Vec<(usize, usize)> = parts.iter().map(|&part| (count(part), part)).collect();

@@ -14,26 +14,26 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Errors in the arrays of a plate.
+/// Reasons why the arrays of a plate are invalid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlateError {
-    /// There are no elements.
+    /// The plate has no elements.
     Empty,
-    /// An array has the wrong length.
+    /// The named array has the wrong length.
     Length { what: &'static str, found: usize, expected: usize },
-    /// A number is NaN or infinite.
+    /// A number of the named array is NaN or infinite.
     NotFinite { what: &'static str, index: usize },
-    /// A value is outside its range.
+    /// A value of the named array is outside its range.
     Range { what: &'static str, index: usize },
-    /// An element refers to a missing node.
+    /// An element refers to a node that does not exist.
     NoSuchNode { element: usize, node: usize },
-    /// An element repeats a node in another pattern than [a, b, c, c, ab, bc, c, ca] or [c, c, a, b, c, ca, ab, bc].
+    /// An element repeats a node in a pattern other than [a, b, c, c, ab, bc, c, ca] and [c, c, a, b, c, ca, ab, bc].
     Repeated { element: usize },
-    /// A triangle of an element kind without triangles.
+    /// An element is a triangle, but its kind has no triangles.
     Triangle { element: usize },
-    /// A collapsed quadrilateral of an element kind that does not allow it.
+    /// An element is a collapsed quadrilateral, but its kind does not allow this.
     Collapsed { element: usize },
-    /// The Jacobian of an element is not positive at a Gauss point.
+    /// The Jacobian determinant of an element is not positive at a Gauss point.
     Inverted { element: usize },
 }
 
@@ -65,11 +65,12 @@ impl std::fmt::Display for PlateError {
 
 impl std::error::Error for PlateError {}
 
-/// Elements of larger slenderness (`thin::slenderness`) compute nodal forces from strains. Forces from the element
-/// matrix would have a relative error of ε times its square, more than 1e-10 of the load.
+/// In elements of larger slenderness (`thin::slenderness`), nodal forces are computed from strains. If they were
+/// computed with the element matrix, they would have a relative error of ε times the slenderness squared, more than
+/// 1e-10 of the load.
 const THIN: f64 = 2e3;
 
-/// Number of elements in a parallel chunk.
+/// Number of elements in one parallel chunk.
 const CHUNK: usize = 64;
 
 pub struct Plate {
@@ -79,7 +80,7 @@ pub struct Plate {
     frames: Option<Vec<[f64; 2]>>,
     pub materials: Materials,
     pub kind: Kind,
-    /// Index of each element's matrix; congruent elements share a matrix.
+    /// Index of each element's stiffness matrix; congruent elements share a matrix.
     matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
@@ -87,24 +88,24 @@ pub struct Plate {
     stress_nodes: Option<StressNodes>,
     bodies: Arc<Bodies>,
     components: Components,
-    /// With rigid bodies, otherwise empty: the leader of each element's nodes, and whether all nodes of an element have
-    /// the same leader.
+    /// For each element, the leaders of its nodes (`leading`), and whether all its nodes have the same leader
+    /// (`rigid`). Both lists are empty if the plate has no rigid bodies.
     leading: Vec<[usize; 8]>,
     rigid: Vec<bool>,
 }
 
-/// Nodes at which moments and shears are evaluated. A mesh node on a jump of the section has a stress node on each
+/// Nodes at which moments and shears are evaluated. On a jump of the section, a mesh node has a stress node on each
 /// side.
 pub struct StressNodes {
-    /// The stress nodes of each element.
+    /// The eight stress nodes of each element.
     pub elements: Vec<[usize; 8]>,
     pub count: usize,
 }
 
 impl Plate {
-    /// Checks the arrays and computes every element matrix, in parallel.
+    /// Checks the arrays of a plate and computes every element matrix, in parallel.
     ///
-    /// `frames`, if given, holds (cos, sin) of each node's first rotation direction.
+    /// `frames`, if present, has (cos, sin) of the first rotation direction of each node.
     pub fn new(
         points: Vec<[f64; 2]>,
         elements: Vec<[usize; 8]>,
@@ -194,10 +195,10 @@ impl Plate {
         Ok(plate)
     }
 
-    /// Gives separate stress nodes to nodes at which moments and shears jump.
+    /// Sets the stress nodes, which separate moments and shears where these jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // At most the number of nodes of all elements together: checked before memory is allocated.
+        // There are at most as many stress nodes as nodes of all elements. This is checked before memory is allocated.
         if nodes.count > 8 * self.elements.len() {
             return Err(PlateError::Range { what: "stress nodes", index: 0 });
         }
@@ -210,8 +211,8 @@ impl Plate {
         Ok(self)
     }
 
-    /// Makes each node follow its leader (n,) as a rigid body; a free node is its own leader. Elements within a body
-    /// add no stiffness and have no moments and shears.
+    /// Makes each node follow its leader (n,) as part of a rigid body; a free node is its own leader. Elements within a
+    /// rigid body add no stiffness and have no moments and shears.
     pub fn with_bodies(mut self, leader: &[usize]) -> Result<Self, PlateError> {
         check_length("leaders", leader.len(), self.node_count())?;
         let plain = |node: usize| self.frame(node).is_none();
@@ -232,34 +233,34 @@ impl Plate {
         &self.bodies
     }
 
-    /// Connected components of the mesh; elements and rigid bodies connect nodes.
+    /// Connected components of the mesh. Nodes are connected by elements and by rigid bodies.
     pub fn components(&self) -> &Components {
         &self.components
     }
 
-    /// The leader of each node of an element; a free node is its own leader.
+    /// The leaders of the eight nodes of element e; a free node is its own leader.
     pub fn leading(&self, e: usize) -> &[usize; 8] {
         self.leading.get(e).unwrap_or(&self.elements[e])
     }
 
-    /// Whether an element is within a rigid body.
+    /// Whether all nodes of element e belong to one rigid body.
     pub fn is_rigid(&self, e: usize) -> bool {
         self.rigid.get(e) == Some(&true)
     }
 
-    /// Whether a node of an element follows another node.
+    /// Whether some node of element e follows another node.
     pub fn has_followers(&self, e: usize) -> bool {
         self.leading(e) != &self.elements[e]
     }
 
-    /// Position of an element's node relative to its leader.
+    /// Position of a node of element e relative to the leader of this node.
     pub fn arm(&self, e: usize, local: usize) -> [f64; 2] {
         let [from, to] = [self.leading(e)[local], self.elements[e][local]].map(|node| self.points[node]);
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Transforms a covector over an element's dofs to the dofs of the leaders; coefficients of each leader are summed
-    /// at its first node in the element.
+    /// Transforms a covector over the dofs of element e (a force, a row of G) to the dofs of the leaders of its nodes.
+    /// If several nodes have the same leader, the coefficients are summed at the first of these nodes.
     pub fn onto_leaders(&self, e: usize, covector: &mut [f64; DOFS]) {
         let leading = self.leading(e);
         for i in (0..8).filter(|_| self.has_followers(e)) {
@@ -271,15 +272,15 @@ impl Plate {
         }
     }
 
-    /// Stress nodes of each element, and the number of stress nodes.
+    /// The stress nodes of each element, and the total number of stress nodes.
     pub fn stress_nodes(&self) -> (&[[usize; 8]], usize) {
         self.stress_nodes.as_ref().map_or((&self.elements, self.node_count()), |nodes| (&nodes.elements, nodes.count))
     }
 
-    /// Assigns matrices to elements and returns the first element that uses each matrix.
+    /// Assigns a stiffness matrix to each element. Returns, for each matrix, the first element that uses it.
     ///
-    /// Elements share a matrix if their geometry and section are equal to the last bit. So a matrix does not depend on
-    /// other elements.
+    /// Elements share a matrix if their geometry and sections are equal to the last bit, so that a matrix does not
+    /// depend on other elements.
     fn share_matrices(&mut self) -> Vec<usize> {
         let mut first = Vec::new();
         let mut known = HashMap::new();
@@ -316,15 +317,16 @@ impl Plate {
         &self.elements
     }
 
-    /// Packed lower triangle of an element's matrix, in x and y (frames not applied). For a thin element it is a
-    /// preconditioner, with reduced shear where bending would be lost in the rounding of the full shear.
+    /// Packed lower triangle of the stiffness of element e, for rotations in x and y instead of nodal frames. For a
+    /// very thin element it contains a reduced shear stiffness, since the full one would lose bending in rounding; it
+    /// then serves as preconditioner.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
         let matrix = self.matrix[e] as usize;
         &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
     }
 
-    /// Whether an element's forces are computed from its strains, since forces from its matrix would be lost in
-    /// rounding.
+    /// Whether the forces of element e are computed from strains, because forces computed with its matrix would be lost
+    /// in rounding.
     pub fn is_thin(&self, e: usize) -> bool {
         self.thin[self.matrix[e] as usize]
     }
@@ -333,13 +335,13 @@ impl Plate {
         self.thin.contains(&true)
     }
 
-    /// Strains of a thin element; `stripped` are its displacements without the rigid motion of its first node.
+    /// Strains of the thin element e. `stripped` has its displacements without the rigid motion of its first node.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
         Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
-    /// The shear that an element's matrix leaves out, as springs: rows over the dofs of its leading nodes, in their
-    /// frames, and compliances.
+    /// The shear stiffness that the matrix of element e leaves out, as springs: for each, its row over the dofs of the
+    /// leaders of the nodes, in nodal frames, and its compliance.
     pub fn shear_springs(&self, e: usize) -> Vec<([f64; DOFS], f64)> {
         if !self.is_thin(e) || self.is_rigid(e) {
             return Vec::new();
@@ -354,7 +356,7 @@ impl Plate {
         springs
     }
 
-    /// Coefficients for the recovery of an element's condensed centre rotations.
+    /// Coefficients that recover the condensed centre rotations of element e.
     pub fn centre(&self, e: usize) -> &Centre {
         &self.centres[self.matrix[e] as usize]
     }
@@ -366,7 +368,7 @@ impl Plate {
         Geometry { at, triangle: is_triangle(nodes) }
     }
 
-    /// Sections of an element at its points, see [`Kind::points`].
+    /// Sections of element e at its points, see [`Kind::points`].
     pub fn sections(&self, e: usize) -> Sections<'_> {
         self.thickness.of(self.kind, e)
     }
@@ -375,19 +377,19 @@ impl Plate {
         is_triangle(&self.elements[e])
     }
 
-    /// Mean position of the corners of an element.
+    /// Mean position of the four corners of element e.
     pub fn centroid(&self, e: usize) -> [f64; 2] {
         let corners = &self.elements[e][..if self.is_triangle(e) { 3 } else { 4 }];
         let sum = corners.iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
         sum.map(|s| s / corners.len() as f64)
     }
 
-    /// Smallest thickness over the diagonal of the plate's bounding box.
+    /// Smallest thickness of the plate divided by the diagonal of its bounding box.
     pub fn slenderness(&self) -> f64 {
         self.thickness.least() / self.size()
     }
 
-    /// Diagonal of the plate's bounding box.
+    /// Length of the diagonal of the plate's bounding box.
     fn size(&self) -> f64 {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
@@ -404,12 +406,13 @@ impl Plate {
         self.frames.is_some()
     }
 
-    /// (cos, sin) of a node's first rotation direction; `None` if that is x.
+    /// (cos, sin) of the first rotation direction of a node; `None` if this direction is x.
     pub fn frame(&self, node: usize) -> Option<[f64; 2]> {
         self.frames.as_ref().map(|f| f[node]).filter(|f| *f != [1.0, 0.0])
     }
 
-    /// Transforms a covector on an element's dofs (a force, a row of G) from x and y to the frames of the nodes.
+    /// Transforms a covector over the dofs of element e (a force, a row of G) from slopes in x and y to slopes in the
+    /// frames of its nodes.
     pub fn into_frames(&self, e: usize, covector: &mut [f64; DOFS]) {
         if self.frames.is_some() {
             for (i, &node) in self.elements[e].iter().enumerate() {
@@ -422,11 +425,12 @@ impl Plate {
         }
     }
 
-    /// Sets the force and couples at an element's first node so that they balance the forces of the other nodes.
+    /// Sets the force and the couples at the first node of element e so that they balance the forces at the other
+    /// nodes.
     ///
-    /// Internal forces have no resultant. A resultant from rounding would load the supports and rotate a plate on soft
-    /// supports. For K_e u this is the transpose of removing the first node's rigid motion from u, so the operator
-    /// stays symmetric.
+    /// Internal forces have no resultant. If rounding gave them one, it would load the supports and rotate a plate on
+    /// soft supports. For K_e u, balancing is the transpose of removing the first node's rigid motion from u, so the
+    /// operator stays symmetric.
     pub fn balance(&self, e: usize, force: &mut [f64; DOFS]) {
         let mut first = [0.0; 3];
         for (i, at) in self.geometry(e).at.iter().enumerate().skip(1) {
@@ -438,8 +442,9 @@ impl Plate {
         force[..3].copy_from_slice(&first);
     }
 
-    /// Row over an element's dofs, in the frames of the nodes, that gives w, θx or θy (`field` 0, 1, 2) at (ξ, η). The
-    /// second value has the coefficients of the two centre rotations, whose part from u is already in the row.
+    /// Row over the dofs of element e, in nodal frames, that gives w, θx or θy (`field` 0, 1, 2) at (ξ, η). The row
+    /// includes the centre rotations that follow from nodal displacements. The second value has the coefficients of the
+    /// two centre rotations, for the part that couples on them cause.
     pub fn interpolation_row(&self, e: usize, xi: f64, eta: f64, field: usize) -> ([f64; DOFS], [f64; 2]) {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
@@ -465,8 +470,8 @@ impl Plate {
         (row, centre)
     }
 
-    /// Nodal forces (3n,) of a stress-free curvature [κxx, κyy, κxy] in the whole plate, and its couples on the centre
-    /// rotations, two per element.
+    /// Nodal forces (3n,) of a stress-free curvature [κxx, κyy, κxy] of the whole plate, and its couples on the centre
+    /// rotations, two for each element.
     pub fn curvature_load(&self, curvature: [f64; 3]) -> (Vec<f64>, Vec<f64>) {
         let mut load = vec![0.0; self.dof_count()];
         let mut centre = vec![0.0; 2 * self.elements.len()];
@@ -482,7 +487,8 @@ impl Plate {
         (load, centre)
     }
 
-    /// [`Plate::curvature_load`] of one element, over its own dofs in the nodes' frames.
+    /// The forces of [`Plate::curvature_load`] for one element, over its own dofs in nodal frames, and the couples on
+    /// its centre rotations.
     pub fn curvature_load_on(&self, e: usize, curvature: [f64; 3]) -> ([f64; DOFS], [f64; 2]) {
         if self.is_rigid(e) {
             return ([0.0; DOFS], [0.0; 2]);
@@ -517,7 +523,7 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
     Ok(())
 }
 
-/// Whether the side between the third and the fourth corner is collapsed to a node.
+/// Whether the side between the third and the fourth corner is collapsed to a node, so that the element is a triangle.
 fn is_triangle(nodes: &[usize; 8]) -> bool {
     nodes[2] == nodes[3] && nodes[2] == nodes[6]
 }

@@ -1,8 +1,9 @@
-//! The residual f − Ku for displacements u in double-double.
+//! The residual f − Ku of nodal equilibrium for displacements u in double-double.
 //!
 //! The rigid motion of each element (deflection and slopes of its first node) is subtracted in double-double before the
 //! product with the element matrix. So large rigid motions of thin plates cost no digits. In very thin elements, the
-//! rounding of the matrix would act as a bending stiffness; their forces are computed from strains (`element::thin`).
+//! rounding of the matrix would act as a bending stiffness; the forces of these elements are computed from strains
+//! (`element::thin`).
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -13,8 +14,8 @@ use crate::superposition::sum_in_order;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// f − Ku − Σ k g (g·u − base) at each dof; at a fixed dof it is minus the support force. Entries of followers are
-/// summed at their leaders.
+/// The residual f − Ku − Σ k g (g·u − base) at each dof (3n,). At a held dof the residual is minus the support force.
+/// Entries of followers are added to those of their leaders.
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
     let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
@@ -28,7 +29,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
     out
 }
 
-/// Nodal forces K_e u of an element in the frames of its nodes; their resultant is zero.
+/// Nodal forces K_e u of element e in the frames of its nodes. Their resultant is zero.
 pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64; DOFS] {
     let mut force = if plate.is_thin(e) {
         plate.strains(e, &displacement.stripped(plate, e)).nodal()
@@ -40,15 +41,15 @@ pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64
     force
 }
 
-/// uᵀKu of plate and springs for a vector u of doubles. The rigid motion of each element is subtracted first, so that
-/// large rigid motions cost no digits.
+/// uᵀKu of plate and springs for a vector u (3n,) of doubles. The rigid motion of each element is subtracted first, so
+/// that large rigid motions cost no digits.
 pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64 {
     const CHUNK: usize = 1024;
     let slopes = |node: usize| {
         let [p, q] = [vector[3 * node + 1], vector[3 * node + 2]];
         plate.frame(node).map_or([p, q], |[c, s]| [c * p - s * q, s * p + c * q])
     };
-    // Thin elements need a displacement in double-double.
+    // The strains of thin elements are computed from displacements in double-double.
     let exact = match plate.has_thin() {
         true => Displacement { hi: vector.to_vec(), lo: vec![0.0; vector.len()] },
         false => Displacement::default(),
@@ -81,8 +82,8 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
-/// Σ |K_e| |u_e| at each dof, u_e without rigid motion (thin elements: from strains). It scales the rounding errors of
-/// [`residual`].
+/// Σ |K_e| |u_e| at each dof (3n,), with u_e the displacements of an element without its rigid motion. In thin elements
+/// the terms of forces from strains are summed. ε times this sum bounds the rounding errors of [`residual`].
 pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
     let parts = each_moving_element(plate, displacement, |e| {
         let stripped = displacement.stripped(plate, e);
@@ -98,7 +99,7 @@ pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f6
     sum
 }
 
-/// Nodal forces of all elements, computed in parallel; empty if all displacements are zero.
+/// `force(e)` of every element e, computed in parallel. The list is empty if all displacements are zero.
 fn each_moving_element(
     plate: &Plate,
     displacement: &Displacement,
@@ -110,7 +111,7 @@ fn each_moving_element(
     (0..count).into_par_iter().with_min_len(CHUNK).map(force).collect()
 }
 
-/// Adds `factor` times the nodal forces to `out`, in the order of the elements.
+/// Adds `factor` times the nodal forces of all elements to `out` (3n,), in the order of the elements.
 fn scatter(plate: &Plate, forces: &[[f64; DOFS]], factor: f64, out: &mut [f64]) {
     for (nodes, force) in plate.elements().iter().zip(forces) {
         for (i, &node) in nodes.iter().enumerate() {
@@ -121,7 +122,8 @@ fn scatter(plate: &Plate, forces: &[[f64; DOFS]], factor: f64, out: &mut [f64]) 
     }
 }
 
-/// |K_e| times the magnitudes `strained` of displacements.
+/// |K_e| · `strained`, with the magnitudes `strained` of an element's displacements and K_e given by its packed lower
+/// triangle.
 fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
     let mut part = [0.0; DOFS];
     for i in 0..DOFS {
@@ -136,8 +138,9 @@ fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
     part
 }
 
-/// distance − g·u (m,) in double-double. `coefficients` (m + q, 24) has the m rows g, then q continuations of rows in
-/// further elements. `further` (q,), ascending, has the row that each continues; `elements` (m + q,) has the elements.
+/// The gaps distance − g·u (m,), summed in double-double. `coefficients` (m + q, 24) has the m rows g, then q
+/// continuations of rows in further elements. `further` (q,), ascending, has the number of the row that each continues.
+/// `elements` (m + q,) has the element of each.
 pub fn openings(
     plate: &Plate,
     elements: &[usize],
@@ -164,7 +167,7 @@ pub fn openings(
     (0..m).into_par_iter().with_min_len(1024).map(one).collect()
 }
 
-/// K_e u, summed in double-double.
+/// K_e u of an element, summed in double-double; `lower` is the packed lower triangle of K_e.
 fn internal_force(lower: &[f64], displacement: &[f64; DOFS]) -> [f64; DOFS] {
     Arch::new().dispatch(InternalForce { lower, displacement })
 }
@@ -177,7 +180,7 @@ struct InternalForce<'a> {
 impl WithSimd for InternalForce<'_> {
     type Output = [f64; DOFS];
 
-    /// The rows of the product are summed in SIMD lanes.
+    /// Sums the rows of the product K_e u in SIMD lanes.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; DOFS] {
         let mut whole = [[0.0; DOFS]; DOFS];
@@ -235,7 +238,7 @@ mod tests {
             let thickness = crate::element::Thickness::Constant(thickness);
             let plate = Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, None);
             let plate = plate.unwrap();
-            // A state of curvature: its internal forces are far smaller than the shears that cancel.
+            // Displacements of pure bending: their internal forces are far smaller than the shear terms, which cancel.
             let bent = |[x, y]: [f64; 2]| [0.5 * x * x + 0.2 * x * y, x + 0.2 * y, 0.2 * x];
             let hi = points.iter().flat_map(|&point| bent(point)).collect();
             let displacement = Displacement { hi, lo: vec![0.0; 24] };

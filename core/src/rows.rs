@@ -1,4 +1,4 @@
-//! Rows g of supports, with coefficients over the dofs of elements; springs that act along such rows.
+//! Rows g of supports, with coefficients over the dofs of elements, and springs that act along such rows.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -6,13 +6,13 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use std::collections::BTreeMap;
 
-/// Rows of elastic supports and contact points. Row i has coefficients over the dofs of one element, in the nodes'
-/// frames; with rigid bodies, over the dofs of the leaders.
+/// A table of rows g of elastic supports and contact points. Row i has coefficients over the dofs of one element, in
+/// nodal frames. If the plate has rigid bodies, they are over the dofs of the leaders.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,
-    /// Coefficients of a row in further elements, if it connects two plates or averages over a footprint. Each dof
+    /// Coefficients of row i in further elements, if the row connects two plates or averages over a footprint. Each dof
     /// appears once in a row.
     pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
 }
@@ -26,7 +26,7 @@ impl Rows {
         self.element.is_empty()
     }
 
-    /// Transforms coefficients of followers to coefficients of their leaders.
+    /// Transforms the coefficients at followers to coefficients at their leaders.
     pub fn onto_leaders(mut self, plate: &Plate) -> Self {
         if plate.bodies().is_empty() {
             return self;
@@ -35,7 +35,8 @@ impl Rows {
             plate.onto_leaders(e, own);
             let Some(further) = self.further.get_mut(&row) else { continue };
             further.iter_mut().for_each(|(e, own)| plate.onto_leaders(*e, own));
-            // If a dof occurs in several elements of the row, its coefficients are summed in the first.
+            // If a dof occurs in several elements of the row, its coefficients are summed in the first of these
+            // elements.
             let mut place: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
             for piece in 0..=further.len() {
                 let nodes = plate.leading(if piece == 0 { e } else { further[piece - 1].0 });
@@ -52,7 +53,7 @@ impl Rows {
         self
     }
 
-    /// Appends row `row` of another table.
+    /// Appends row number `row` of the table `other`.
     pub fn push_from(&mut self, other: &Self, row: usize) {
         if let Some(further) = other.further.get(&row) {
             self.further.insert(self.len(), further.clone());
@@ -61,7 +62,7 @@ impl Rows {
         self.coefficient.push(other.coefficient[row]);
     }
 
-    /// The two elements of a row, if it has exactly two.
+    /// The two elements of a row; `None` if the row has dofs of one element or of more than two.
     pub fn pair(&self, row: usize) -> Option<[u32; 2]> {
         match self.further.get(&row)?[..] {
             [(second, _)] => Some([self.element[row] as u32, second as u32]),
@@ -69,7 +70,7 @@ impl Rows {
         }
     }
 
-    /// The (dof, coefficient) pairs of a row, without zero coefficients.
+    /// The pairs (dof, coefficient) of a row, without zero coefficients.
     pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
         let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
             let nodes = plate.leading(element);
@@ -80,7 +81,7 @@ impl Rows {
         of_element(self.element[row], &self.coefficient[row]).chain(further.flat_map(move |(e, c)| of_element(*e, c)))
     }
 
-    /// g·u − `offset` of a row g, in double-double.
+    /// g·u − `offset` for row g of the table, summed in double-double.
     pub fn beyond(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
         let mut sum = DoubleDouble::from(-offset);
         self.entries(plate, row).for_each(|(dof, c)| {
@@ -90,18 +91,18 @@ impl Rows {
         sum.value()
     }
 
-    /// g·v of a row g and a vector v of doubles.
+    /// g·v for row g of the table and a vector v (3n,) of doubles.
     pub fn dot(&self, plate: &Plate, row: usize, vector: &[f64]) -> f64 {
         self.entries(plate, row).map(|(dof, c)| c * vector[dof]).sum()
     }
 
-    /// Adds `factor` · g of a row g to a nodal vector.
+    /// Adds `factor` · g, for row g of the table, to a nodal vector (3n,).
     pub fn scatter(&self, plate: &Plate, row: usize, factor: f64, vector: &mut [f64]) {
         self.entries(plate, row).for_each(|(dof, c)| vector[dof] += factor * c);
     }
 }
 
-/// Linear springs: spring i has the force `stiffness_i` (g_i·u − `base_i`) on row g_i.
+/// Linear springs. Spring i acts along row g_i with the force `stiffness_i` (g_i·u − `base_i`).
 #[derive(Clone, Debug, Default)]
 pub struct Springs {
     pub rows: Rows,
@@ -110,7 +111,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// Appends a spring on row `row` of a table.
+    /// Appends a spring that acts along row number `row` of the table `rows`.
     pub fn push(&mut self, rows: &Rows, row: usize, stiffness: f64, base: f64) {
         self.rows.push_from(rows, row);
         self.stiffness.push(stiffness);

@@ -1,9 +1,9 @@
-//! Moments and shears from displacements.
+//! Moments and shears, computed from displacements.
 //!
-//! They are sampled at the 2×2 Gauss points, where derivatives of quadratic elements converge one order faster (Barlow
-//! 1976). Then they are extrapolated bilinearly to the nodes and averaged over the elements of a node (Hinton &
-//! Campbell 1974). A jump of the section separates these means (`Plate::stress_nodes`). Triangles sample moments at
-//! three points and extrapolate linearly; their shear is the element mean.
+//! Moments and shears are sampled at the 2×2 Gauss points, where derivatives of quadratic elements converge one order
+//! faster (Barlow 1976). The samples are extrapolated bilinearly to the nodes and averaged over the elements at a node
+//! (Hinton & Campbell 1974). Across a jump of the section they are not averaged (`Plate::stress_nodes`). In triangles
+//! moments are sampled at three points and extrapolated linearly; the shear of a triangle is its mean.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -13,13 +13,15 @@ use crate::plate::Plate;
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
 
-/// [mx, my, mxy, qx, qy] at a point: M = −D(κ − κ⁰), positive if it sags, and Q = S(∇w − θ). Rigid bodies have zeros.
+/// [mx, my, mxy, qx, qy] at a point: moments M = −D(κ − κ⁰), positive if they sag, and shears Q = S(∇w − θ). In rigid
+/// bodies all are zero.
 pub type Stress = [f64; 5];
 
-/// Stress at the four samples of one element: the Gauss points, ξ running fastest. A triangle has three samples near
-/// its corners and one at the centroid.
+/// [`Stress`] at the four sample points of element e: the 2×2 Gauss points of a quadrilateral, ξ running fastest. A
+/// triangle has three samples near its corners and one at the centroid.
 ///
-/// `curvature` is the stress-free curvature κ⁰ = [κxx, κyy, κxy]; `couples` act on the two centre rotations.
+/// `curvature` is the stress-free curvature κ⁰ = [κxx, κyy, κxy]; `couples` are the couples on the two centre
+/// rotations.
 pub fn at_gauss_points(
     plate: &Plate,
     e: usize,
@@ -30,7 +32,7 @@ pub fn at_gauss_points(
     Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
 }
 
-/// Strain–displacement matrices and sections at N points of an element.
+/// Strain–displacement matrices and sections at N points of one element.
 struct Samples<const N: usize = 4> {
     strain: [StrainMatrix; N],
     sections: [Section; N],
@@ -48,7 +50,7 @@ impl Samples {
 }
 
 impl<const N: usize> Samples<N> {
-    /// Samples at N consecutive points of the element's list, from number `first` on.
+    /// Samples at N consecutive points of [`Kind::points`] of element e, from number `first` on.
     fn from(plate: &Plate, e: usize, first: usize) -> Self {
         let geometry = plate.geometry(e);
         let points = &plate.kind.points_of(geometry.triangle)[first..];
@@ -85,8 +87,8 @@ impl<const N: usize> Samples<N> {
         out
     }
 
-    /// Strains [κxx, κyy, 2κxy, γx, γy] at each sample, from displacements without rigid motion. Shears are computed in
-    /// double-double, since they are differences of large terms in thin plates.
+    /// Strains [κxx, κyy, 2κxy, γx, γy] at each sample, from displacements `stripped` without rigid motion. Shear
+    /// strains are computed in double-double, since they are differences of large terms in thin plates.
     #[inline(always)]
     fn strains(&self, plate: &Plate, e: usize, stripped: &[DoubleDouble; DOFS], couples: [f64; 2]) -> [[f64; 5]; N] {
         let dot = |row: &[f64], values: &[DoubleDouble], from: f64| {
@@ -113,7 +115,7 @@ impl<const N: usize> Samples<N> {
     }
 }
 
-/// Stress at the integration points of the stiffness: nine, or four for q8r.
+/// [`Stress`] of element e at the integration points of its stiffness: nine points, or four for q8r.
 pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stress> {
     let couples = [of.couples[2 * e], of.couples[2 * e + 1]];
     match plate.kind {
@@ -122,8 +124,8 @@ pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stre
     }
 }
 
-/// Strain matrices at the integration points, over the element's nodal dofs in their frames; centre rotations are
-/// condensed.
+/// Strain–displacement matrices of element e at its integration points, over its nodal dofs in nodal frames. The centre
+/// rotations are condensed.
 pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     let condensed = |strain: &StrainMatrix| {
         strain.map(|row| {
@@ -139,14 +141,15 @@ pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     }
 }
 
-/// Displacements u, stress-free curvature κ⁰, and couples on the centre rotations, two per element.
+/// Displacements u, stress-free curvature κ⁰ = [κxx, κyy, κxy], and couples on the centre rotations, two for each
+/// element.
 pub struct Strained<'a> {
     pub displacement: &'a Displacement,
     pub curvature: [f64; 3],
     pub couples: &'a [f64],
 }
 
-/// Stress at each node, for each of several displacements; element matrices are computed once.
+/// Mean [`Stress`] at each stress node, for each of several displacements. Strain matrices are computed once for all.
 pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     let sampled: Vec<Vec<[Stress; 4]>> = (0..plate.elements().len())
         .into_par_iter()
@@ -162,7 +165,7 @@ pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     (0..all.len()).into_par_iter().map(|k| carried_to_nodes(plate, |e| sampled[e][k])).collect()
 }
 
-/// Stress at each stress node, and at the four samples of each element.
+/// Mean [`Stress`] at each stress node, and at the four sample points of each element.
 pub fn smoothed(
     plate: &Plate,
     displacement: &Displacement,
@@ -178,7 +181,8 @@ pub fn smoothed(
     (nodal, sampled)
 }
 
-/// Mean stress at each stress node: the extrapolated samples, averaged over the elements that contain the node.
+/// Mean stress at each stress node: samples of an element are extrapolated to its nodes and averaged over the elements
+/// at a node.
 fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
     let of_squares: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
     let (elements, count) = plate.stress_nodes();
@@ -204,8 +208,8 @@ fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Ve
     nodal
 }
 
-/// Weights of a triangle's samples in the linear extrapolation to its eight node positions. The fourth sample has
-/// weight 0; the positions 3 and 6, which repeat the third corner, have zeros.
+/// Weights of the four samples of a triangle in the linear extrapolation to its eight node positions. The fourth sample
+/// has the weight 0. The rows of positions 3 and 6, which repeat the third corner, are zero.
 const ON_TRIANGLES: [[f64; 4]; 8] = {
     let (own, other, beside, across) = (5.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0);
     [
@@ -220,7 +224,8 @@ const ON_TRIANGLES: [[f64; 4]; 8] = {
     ]
 };
 
-/// Values at (ξ, η) of the four bilinear functions that interpolate between the 2×2 Gauss points.
+/// Values at (ξ, η) of the four bilinear functions, each of which is 1 at one of the 2×2 Gauss points and 0 at the
+/// others.
 fn bilinear(xi: f64, eta: f64) -> [f64; 4] {
     let g = GAUSS_2[1].0;
     let [x, y] = [xi / g, eta / g];

@@ -1,16 +1,16 @@
-//! Linear combinations of many vectors, and the extremes of these sums.
+//! Linear combinations of many vectors, and extremes of these sums.
 //!
-//! Each sum adds the vectors in their order, so its bits do not depend on other sums.
+//! Each sum adds the vectors in their order, so that its bits do not depend on other sums.
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of entries in a tile; the sums of a tile stay in registers.
+/// Number of entries in a tile, whose sums stay in registers.
 const TILE: usize = 16;
-/// Number of entries in a parallel chunk.
+/// Number of entries of an envelope in one parallel chunk.
 const SHARE: usize = 1024;
 
-/// Product (k, n) of coefficients (k, b), row-major, and vectors (b, n); `count` is b.
+/// Product (k, n) of coefficients (k, b) and vectors (b, n), all row-major; `count` is b.
 pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64> {
     let length = vectors.len() / count.max(1);
     if length == 0 || count == 0 {
@@ -23,8 +23,8 @@ pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64
     out
 }
 
-/// Sum of `count` terms, computed in parallel and added in order: the bits do not depend on the number of threads.
-/// `least` is the smallest chunk of terms for a thread.
+/// Sum of `count` terms. They are computed in parallel and added in order, so that the bits do not depend on the number
+/// of threads. A thread computes at least `least` consecutive terms.
 pub fn sum_in_order(count: usize, least: usize, term: impl Fn(usize) -> f64 + Send + Sync) -> f64 {
     let terms: Vec<f64> = (0..count).into_par_iter().with_min_len(least).map(term).collect();
     terms.iter().sum()
@@ -54,7 +54,8 @@ impl WithSimd for Superpose<'_> {
     }
 }
 
-/// Running maxima and minima (n,), and the number of the combination that attains each.
+/// Envelope of many sums (n,): the largest and smallest value of each entry, and the numbers of the combinations that
+/// attain them.
 pub struct Envelope<'a> {
     pub largest: &'a mut [f64],
     pub largest_by: &'a mut [i64],
@@ -62,7 +63,7 @@ pub struct Envelope<'a> {
     pub smallest_by: &'a mut [i64],
 }
 
-/// Extremes of a sum, and the indices at which they occur.
+/// Largest and smallest entry of a sum, and the indices of these entries.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
     pub largest: f64,
@@ -71,8 +72,8 @@ pub struct Peak {
     pub smallest_at: usize,
 }
 
-/// Entries excluded from extremes: `class` (n,) is the class of each entry; `sums` (k, `classes`) is true where a sum
-/// excludes a class.
+/// Entries that are excluded from the extremes of a sum. `class` (n,) is the class of each entry; `sums` (k, `classes`)
+/// is true where a sum excludes a class.
 #[derive(Clone, Copy)]
 pub struct LeftOut<'a> {
     pub class: &'a [i64],
@@ -81,9 +82,9 @@ pub struct LeftOut<'a> {
 }
 
 impl LeftOut<'_> {
-    /// Updates the extremes of a sum with its entries from `first` on, without excluded entries.
+    /// Updates the extremes `peak` of a sum with the entries from index `first` on that are not excluded.
     ///
-    /// It is rarely called and kept out of the loop over sums.
+    /// The function is rarely called and kept out of the loop over sums.
     #[cold]
     #[inline(never)]
     fn look(&self, sum: usize, first: usize, entries: &[f64], peak: &mut Peak) {
@@ -99,7 +100,7 @@ impl LeftOut<'_> {
 const NO_PEAK: Peak = Peak { largest: f64::NEG_INFINITY, largest_at: 0, smallest: f64::INFINITY, smallest_at: 0 };
 
 impl Peak {
-    /// The extremes over two ranges of entries; if values are equal, those of `self`.
+    /// The extremes over the entries of both peaks. If values are equal, the index is that of `self`.
     fn or(self, other: Self) -> Self {
         let (largest, largest_at) = if other.largest > self.largest {
             (other.largest, other.largest_at)
@@ -115,7 +116,7 @@ impl Peak {
     }
 }
 
-/// Updates an envelope with the combinations (k, b) of vectors (b, n), and returns the extremes of each combination.
+/// Updates an envelope with the sums of vectors (b, n) with coefficients (k, b), and returns the extremes of each sum.
 /// `who` (k,) has the numbers of the combinations. Sums are computed tile by tile and not stored.
 pub fn envelop(
     coefficients: &[f64],
@@ -126,7 +127,7 @@ pub fn envelop(
 ) -> Vec<Peak> {
     let length = envelope.largest.len();
     let count = coefficients.len() / who.len().max(1);
-    // Vectors that have only zero coefficients are skipped.
+    // Vectors whose coefficients are zero in all sums are skipped.
     let used: Vec<usize> =
         (0..count).filter(|&b| coefficients.iter().skip(b).step_by(count).any(|c| *c != 0.0)).collect();
     let rows: Vec<f64> = coefficients.chunks_exact(count.max(1)).flat_map(|row| used.iter().map(|&b| row[b])).collect();
@@ -146,7 +147,7 @@ pub fn envelop(
                 for (row, &b) in tile.chunks_exact_mut(TILE).zip(&used) {
                     let source = &vectors[b * length + first..b * length + first + width];
                     row[..width].copy_from_slice(source);
-                    // An incomplete last tile repeats its last entry.
+                    // If the last tile is incomplete, its last entry is repeated.
                     row[width..].fill(source[width - 1]);
                 }
                 let part = from..from + width;
@@ -166,7 +167,7 @@ pub fn envelop(
     (0..who.len()).map(merged).collect()
 }
 
-/// A tile: [`TILE`] consecutive entries of every vector, superposed for all combinations.
+/// One tile: [`TILE`] consecutive entries of every vector. The same entries of all sums are computed with it.
 struct Tile<'a, 'b> {
     rows: &'a [f64],
     vectors: &'a [f64],
@@ -230,7 +231,7 @@ impl WithSimd for Tile<'_, '_> {
     }
 }
 
-/// Computes N registers of a sum, from register `from` on.
+/// Computes N SIMD registers of a sum of vectors, from register `from` on.
 #[inline(always)]
 fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s], from: usize, out: &mut [S::f64s]) {
     let mut sums = [simd.splat_f64s(0.0); N];
@@ -247,7 +248,7 @@ fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s],
 mod tests {
     use super::*;
 
-    /// Pseudo-random numbers from a fixed seed.
+    /// Pseudo-random numbers from a fixed seed, for tests.
     fn numbers(count: usize, mut seed: u64) -> Vec<f64> {
         let mut next = || {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -284,7 +285,7 @@ mod tests {
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
-            // Every third entry is excluded from the sums with odd numbers.
+            // In sums with odd numbers, every third entry is excluded from the extremes.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };

@@ -2,10 +2,10 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Runs a closure marked `#[inline(always)]`, vectorized for this machine.
+/// Runs a closure that is marked `#[inline(always)]`, compiled for the widest vector registers of the machine.
 ///
-/// It is called as `FnMut`. As `FnOnce`, a closure that captures by reference would be called through a shim, which is
-/// not inlined and not vectorized; a fused multiply-add would then be a function call.
+/// The closure is called as `FnMut`. If it were called as `FnOnce` and captured by reference, the call would go through
+/// a shim that is neither inlined nor vectorized; a fused multiply-add would then be a function call.
 #[inline(always)]
 pub fn vectorized<R>(work: impl FnMut() -> R) -> R {
     Arch::new().dispatch(Work(work))

@@ -33,24 +33,24 @@ pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }
 
-/// The point a + t (b − a).
+/// The point a + t (b − a) on the line through a and b.
 pub fn between(a: Point, b: Point, t: f64) -> Point {
     [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
 }
 
-/// Twice the area of a triangle; positive if a, b, c are counter-clockwise.
+/// Twice the area of the triangle a, b, c; positive if the corners are counter-clockwise.
 pub fn turn(a: Point, b: Point, c: Point) -> f64 {
     cross(sub(b, a), sub(c, a))
 }
 
-/// t in [0, 1] for which a + t (b − a) is nearest to p.
+/// The t in [0, 1] for which a + t (b − a) is nearest to p.
 pub fn nearest_share(p: Point, a: Point, b: Point) -> f64 {
     let along = sub(b, a);
     let square = dot(along, along);
     if square > 0.0 { (dot(sub(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The pair of nearest points, one on the segment ab, the other on cd.
+/// The two points nearest to each other, one on the segment ab, one on the segment cd.
 pub fn nearest_points(a: Point, b: Point, c: Point, d: Point) -> (Point, Point) {
     if cross_each_other(a, b, c, d) {
         let along = sub(b, a);
@@ -73,20 +73,20 @@ fn cross_each_other(a: Point, b: Point, c: Point, d: Point) -> bool {
     turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
 }
 
-/// Centre of the circle through three points; not finite if they are collinear.
+/// Centre of the circle through three points. Its coordinates are not finite if the points are collinear.
 pub fn circumcentre(a: Point, b: Point, c: Point) -> Point {
     let (u, v) = (sub(b, a), sub(c, a));
     let (uu, vv, area) = (dot(u, u), dot(v, v), 2.0 * cross(u, v));
     add(a, [(v[1] * uu - u[1] * vv) / area, (u[0] * vv - v[0] * uu) / area])
 }
 
-/// Lexicographic order of two points, or of two lists of coordinates.
+/// Lexicographic order of two points, or of two lists of coordinates of equal length.
 pub fn order(one: &[f64], other: &[f64]) -> Ordering {
     let unequal = one.iter().zip(other).map(|(a, b)| a.total_cmp(b)).find(|result| result.is_ne());
     unequal.unwrap_or(Ordering::Equal)
 }
 
-/// A straight line or an arc from one point to another.
+/// A straight line or an arc between two points.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve {
     pub from: Point,
@@ -99,7 +99,7 @@ struct Round {
     centre: Point,
     radius: f64,
     start: f64,
-    /// Signed angle of the arc, positive counter-clockwise.
+    /// Signed central angle of the arc, positive counter-clockwise.
     sweep: f64,
 }
 
@@ -108,9 +108,9 @@ impl Curve {
         Curve { from, to, round: None }
     }
 
-    /// The arc through three points; `None` if they are collinear or two of them coincide.
+    /// The arc from one point through another to a third. `None` if the points are collinear or two of them coincide.
     pub fn arc(from: Point, through: Point, to: Point) -> Option<Curve> {
-        // A rise smaller than this, relative to the chord, is taken as a straight line.
+        // An arc whose rise over its chord is smaller than this, relative to the chord, counts as a straight line.
         const FLAT: f64 = 1e-7;
         let bend = turn(from, through, to);
         let (a, b, c) = (distance(from, through), distance(through, to), distance(from, to));
@@ -129,7 +129,7 @@ impl Curve {
         self.round.is_none()
     }
 
-    /// Radius; infinite for a straight line.
+    /// Radius of the arc; infinite for a straight line.
     pub fn radius(&self) -> f64 {
         self.round.map_or(f64::INFINITY, |round| round.radius)
     }
@@ -138,7 +138,7 @@ impl Curve {
         self.round.map_or_else(|| distance(self.from, self.to), |round| round.radius * round.sweep.abs())
     }
 
-    /// The point at the fraction t of the length.
+    /// The point of the curve at the fraction t of its length.
     pub fn at(&self, t: f64) -> Point {
         if t == 0.0 {
             return self.from;
@@ -155,7 +155,7 @@ impl Curve {
         }
     }
 
-    /// Unit tangent at the fraction t of the length.
+    /// Unit tangent of the curve at the fraction t of its length.
     pub fn direction(&self, t: f64) -> Point {
         match self.round {
             None => scale(sub(self.to, self.from), 1.0 / distance(self.from, self.to)),
@@ -171,13 +171,13 @@ impl Curve {
         Curve { from: self.to, to: self.from, round }
     }
 
-    /// The curve under a map of the plane: a rotation by the angle `turned`, and a translation.
+    /// The image of the curve under `map`, which rotates the plane by the angle `turned` and translates it.
     pub fn mapped(&self, map: impl Fn(Point) -> Point, turned: f64) -> Curve {
         let round = self.round.map(|round| Round { centre: map(round.centre), start: round.start + turned, ..round });
         Curve { from: map(self.from), to: map(self.to), round }
     }
 
-    /// Fraction of the length at which the curve is nearest to p.
+    /// Fraction of the curve's length at which the curve is nearest to p.
     pub fn nearest(&self, p: Point) -> f64 {
         let Some(round) = self.round else {
             return nearest_share(p, self.from, self.to);
@@ -226,7 +226,8 @@ impl Curve {
         result
     }
 
-    /// Fractions of this curve's length at which it meets another curve, and the points; empty for parallel lines.
+    /// Fractions of this curve's length at which it meets the curve `other`, and the common points; empty for parallel
+    /// lines.
     pub fn crossings(&self, other: &Curve) -> Vec<(f64, Point)> {
         let points: Vec<Point> = match (self.round, other.round) {
             (None, _) => other.meets(self.from, self.to).into_iter().map(|t| other.at(t)).collect(),
@@ -236,7 +237,8 @@ impl Curve {
                 let apart = norm(axis);
                 let foot = 0.5 * (apart + (one.radius - two.radius) * (one.radius + two.radius) / apart);
                 let square = one.radius * one.radius - foot * foot;
-                // For concentric circles `foot` is not finite; for separate or nested circles `square` is negative.
+                // Circles without two common points: `foot` is not finite if they are concentric, `square` is negative
+                // if they are separate or nested.
                 if !(square > 0.0 && foot.is_finite()) {
                     return Vec::new();
                 }
@@ -251,7 +253,8 @@ impl Curve {
         those.map(|p| (self.nearest(p), p)).collect()
     }
 
-    /// The part between two fractions of the length; `from` and `to` are its exact end points.
+    /// The part of the curve between two fractions of its length. `from` and `to` are the exact end points of this
+    /// part.
     pub fn part(&self, [begin, end]: [f64; 2], from: Point, to: Point) -> Curve {
         let round = self.round.map(|round| {
             let start = round.start + begin * round.sweep;
@@ -260,12 +263,12 @@ impl Curve {
         Curve { from, to, round }
     }
 
-    /// A second common point of this curve and `next`, which begins at its end. A point at which both curves close on
-    /// each other's far ends does not count.
+    /// A second common point of this curve and `next`, which begins where this curve ends. `None` without such a point,
+    /// or if the point is both the start of this curve and the end of `next`.
     pub fn meets_next(&self, next: &Curve) -> Option<Point> {
         let corner = self.to;
-        // The second point is the mirror image of the first in the line through both centres, or in the perpendicular
-        // from the centre onto the line.
+        // The second point is the mirror image of the first in the line through both centres, or, if one curve is
+        // straight, in the perpendicular from the centre onto this line.
         let again = match (self.round, next.round) {
             (None, None) => return None,
             (Some(one), Some(other)) => {
@@ -286,17 +289,17 @@ impl Curve {
         (elsewhere && !at_far_ends && on(self) && on(next)).then_some(again)
     }
 
-    /// Points along the curve, including its ends, such that the chords between them are at most `rise` from the curve.
+    /// Points along the curve, including its ends. The chords between them are at most `rise` away from the curve.
     pub fn flattened(&self, rise: f64) -> Vec<Point> {
         let count = match self.round {
             None => 1.0,
-            // At least twelve chords for a full turn, so that a small circle does not become a triangle.
+            // A full turn has at least twelve chords, so that a small circle does not become a triangle.
             Some(round) => (round.sweep.abs() / (8.0 * rise / round.radius).sqrt().min(TAU / 12.0)).ceil(),
         };
         (0..=count as usize).map(|i| self.at(i as f64 / count)).collect()
     }
 
-    /// Twice the area between the curve and the point `about`.
+    /// Twice the signed area between the curve and the point `about`.
     pub fn moment(&self, about: Point) -> f64 {
         let chord = cross(sub(self.from, about), sub(self.to, about));
         chord + self.round.map_or(0.0, |round| round.radius * round.radius * (round.sweep - round.sweep.sin()))

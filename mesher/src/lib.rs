@@ -1,12 +1,11 @@
-//! Meshes of 8-node quadrilaterals for plates with any outline. Where quadrilaterals do not fit, there are 6-node
-//! triangles.
+//! Meshes of 8-node quadrilaterals for plates with any outline, with 6-node triangles where quadrilaterals do not fit.
 //!
 //! The outline is checked (`outline`), transformed to a form that does not depend on unit, position and order
-//! (`normal`), and rotated to the direction of most of its length. Lines that element sides follow are cut where they
-//! meet the outline (`planar`). Nodes are placed along them and on a lattice, which is finer where elements must be
-//! smaller (`sizes`, `seeding`). They are joined to Delaunay triangles (`triangles`), and these to quadrilaterals
-//! (`pairing`). Remaining triangles are merged in pairs where possible (`tunnels`), and nodes are moved to improve
-//! shapes (`smoothing`). The same input gives the same bits.
+//! (`normal`), and rotated so that the direction in which its sides are longest is an axis. Lines that element sides
+//! follow are cut where they meet the outline (`planar`). Nodes are placed along outline and lines and on a lattice,
+//! which is finer where elements must be smaller (`sizes`, `seeding`). Nodes are joined to Delaunay triangles
+//! (`triangles`), and triangles to quadrilaterals (`pairing`). Remaining triangles are merged in pairs where possible
+//! (`tunnels`), and nodes are moved to improve shapes (`smoothing`). The same input gives the same bits.
 
 #![forbid(unsafe_code)]
 
@@ -40,33 +39,33 @@ use smoothing::{Freedom, smooth};
 use triangles::{NONE, Triangles};
 use tunnels::Chords;
 
-/// A line or arc that sides of elements follow.
+/// A line or arc that the sides of elements follow.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Line {
     pub ends: [Point; 2],
-    /// A point on the arc between its ends; `None` for a straight line.
+    /// A point on the arc between its two ends; `None` for a straight line.
     pub through: Option<Point>,
-    /// Lines are followed in the order of their ranks, the smallest first.
+    /// Lines are followed in increasing order of rank; a line is left out if it is too near to a followed one.
     pub rank: usize,
-    /// Whether only parts of the line may be followed: the parts inside the plate that are at least about half an
-    /// element from the outline and from followed lines. Otherwise the part inside the plate is followed as a whole or
-    /// not at all.
+    /// Whether parts of the line may be followed: those inside the plate that are at least about half an element away
+    /// from the outline and from followed lines. If false, the part inside the plate is followed as a whole or not at
+    /// all.
     pub in_part: bool,
 }
 
-/// Options of [`mesh`].
+/// Options of the function [`mesh`].
 #[derive(Clone, Debug)]
 pub struct MeshOptions {
-    /// Largest element size: the side length of square elements.
+    /// Largest element size, as the side length of a square element.
     pub size: f64,
     pub refinements: Vec<Refinement>,
     pub lines: Vec<Line>,
-    /// Points that become nodes if they are far enough from other nodes and lines.
+    /// Points that become nodes if they are far enough from other nodes and from followed lines.
     pub points: Vec<Point>,
-    /// Largest number of elements, approximately; 10⁷ if `None`.
+    /// Largest number of elements, approximately; `None` means 10⁷.
     pub most: Option<usize>,
-    /// Axes of the normal form: ±x and ±y, in either order. Two plates that are the same along their axes have the same
-    /// mesh, mirrored or turned like the plates.
+    /// Axes of the normal form: ±x and ±y, in either order. If two plates are the same along their axes, they have the
+    /// same mesh, mirrored or turned like the plates.
     pub axes: [Point; 2],
 }
 
@@ -80,35 +79,35 @@ impl Default for MeshOptions {
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub points: Vec<Point>,
-    /// Corners counter-clockwise, then the midside nodes, beginning between the first two corners. A triangle repeats
-    /// its third corner: [a, b, c, c, ab, bc, c, ca].
+    /// Nodes of each element: corners counter-clockwise, then midside nodes, beginning between the first two corners. A
+    /// triangle repeats its third corner: [a, b, c, c, ab, bc, c, ca].
     pub elements: Vec<[usize; 8]>,
-    /// Corner, midside node and corner of each element side on the outline, the plate on its left, in order around each
-    /// loop.
+    /// Corner, midside node and corner of each element side on the outline, in order around each loop. The plate is on
+    /// the left of the side.
     pub sides: Vec<[usize; 3]>,
-    /// Loop of each of `sides`, and number of the outline side in this loop.
+    /// For each of `sides`, the number of its loop, and the number of the outline side in this loop.
     pub side_of: Vec<[usize; 2]>,
-    /// The smallest angle at a corner of an element, in degrees.
+    /// The smallest corner angle of all elements, in degrees.
     pub least_angle: f64,
-    /// Area of quadrilaterals relative to the plate.
+    /// Area of all quadrilaterals divided by the area of the plate.
     pub quadrilaterals: f64,
 }
 
-/// Default for the largest number of elements.
+/// Largest number of elements if [`MeshOptions::most`] is `None`.
 const MOST: usize = 10_000_000;
-/// Number of attempts; each repeats the mesh with smaller elements near bad ones.
+/// Largest number of attempts. After a failed attempt, elements near the bad ones are made smaller.
 const ATTEMPTS: usize = 8;
 
-/// Meshes the plate inside the first loop and outside the others, which are its holes.
+/// Meshes the plate inside the first loop and outside all other loops, which are holes.
 ///
 /// # Errors
 ///
-/// If loops cross, touch or nearly touch themselves or each other, or a hole is outside the outline. The error has the
-/// side and the position.
+/// Returns an error if loops cross, touch or nearly touch themselves or each other, or if a hole is outside the
+/// outline. The error has the side and the position.
 ///
 /// # Panics
 ///
-/// If a loop has no sides, or its lists have different lengths.
+/// Panics if a loop has no sides, or if its lists have different lengths.
 ///
 /// # Examples
 ///
@@ -139,7 +138,8 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
         MeshError { message, side: None }
     };
     let sides = outline::sides(loops)?;
-    // Chords along arcs are much shorter than elements, so a mesh that is too large is refused before chords are made.
+    // Chords along arcs are much shorter than elements. So a mesh with too many elements is refused before chords are
+    // made.
     if outline::area(&sides) > most * size * size {
         return Err(too_many());
     }
@@ -182,21 +182,22 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
     unreachable!("the last attempt returns")
 }
 
-/// A first mesh is accepted if quadrilaterals have at least this part of the area and the smallest angle (degrees) is
-/// at least this. Other styles are tried only for meshes of at most `MANY` elements; larger ones are dominated by their
-/// lattice.
+/// A first mesh is accepted if quadrilaterals have at least the fraction `ENOUGH` of the area and the smallest angle is
+/// at least `SHARP` degrees. Other styles are tried only for meshes of at most `MANY` elements, since in larger ones
+/// most elements are those of the lattice.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
-/// Meshes with fewer elements keep their triangles: merging would replace them by longer quadrilaterals, which are less
-/// accurate.
+/// Meshes with fewer elements keep their triangles. Merging would replace these by longer quadrilaterals, which are
+/// less accurate.
 const FEW: usize = 28;
-/// Smallest quality, before smoothing, of elements that result from merging triangles; the second value is for meshes
-/// of more than `MANY` elements, which are not made again without merging if an angle is too sharp.
+/// Smallest quality (sine of a corner angle), before smoothing, of elements that result from merging triangles.
+/// `CAUTIOUS` applies to meshes of more than `MANY` elements, which are not made again without merging if an angle is
+/// too sharp.
 const LEAST_MERGED: f64 = 0.05;
 const CAUTIOUS: f64 = 0.3;
 
-/// The better of two meshes; the first if they are equal.
+/// The better of two meshes; the first mesh if both are equally good.
 fn better(one: Quadratic, other: Quadratic) -> Quadratic {
     let rank = |mesh: &Quadratic| {
         let (share, angle) = mesh.measures();
@@ -206,7 +207,7 @@ fn better(one: Quadratic, other: Quadratic) -> Quadratic {
     if rank(&other) > rank(&one) { other } else { one }
 }
 
-/// Nodes and elements before triangles are merged and nodes are moved.
+/// Nodes and elements of a mesh before triangles are merged and nodes are moved.
 struct Draft {
     seeds: Seeds,
     pieces: Vec<Piece>,
@@ -216,21 +217,22 @@ struct Draft {
 struct Task<'a> {
     outline: &'a Outline,
     sizes: &'a Sizes,
-    /// Lines, and whether each may be followed in part.
+    /// Lines that sides of elements follow, and whether each may be followed in part.
     lines: &'a [(Curve, bool)],
     points: &'a [Point],
-    /// Smallest acceptable angle, in degrees.
+    /// Smallest acceptable corner angle, in degrees.
     sharp: f64,
 }
 
 impl Task<'_> {
-    /// The first good mesh, or the best one of several styles.
+    /// The first good mesh of several styles, or the best one if none is good.
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller, if no mesh can be made.
+    /// If no mesh can be made: the points at which elements must be smaller.
     fn best(&self, slant: Option<f64>) -> Result<Quadratic, Vec<Point>> {
-        // A lattice with the angle `slant` may fit the plate without triangles; if not, it is one style among others.
+        // A lattice with the angle `slant` may fit the plate without triangles. If it does not, it is tried like the
+        // other styles.
         let mut slanted = slant.and_then(|angle| self.drafted(Style::Skew(angle)).ok());
         let whole = slanted.take_if(|draft| draft.elements.iter().all(|corners| corners[3] != NONE));
         let mut fitting = whole.and_then(|draft| self.made(draft).ok());
@@ -259,11 +261,11 @@ impl Task<'_> {
         share >= ENOUGH && angle >= self.sharp
     }
 
-    /// Places nodes by `style`, triangulates, and pairs triangles into quadrilaterals.
+    /// Places nodes by `style`, triangulates the plate, and pairs triangles into quadrilaterals.
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If no mesh can be made: the points at which elements must be smaller.
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
@@ -277,11 +279,12 @@ impl Task<'_> {
         Ok(Draft { seeds, pieces, elements })
     }
 
-    /// Makes a mesh of a draft, with triangles merged where possible, or with all of them. Smooths it.
+    /// Makes a smoothed mesh of a draft, with triangles merged in pairs where possible. If its smallest angle is too
+    /// sharp, it is compared with a mesh without merging.
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If no mesh can be made: the points at which elements must be smaller.
     fn made(&self, draft: Draft) -> Result<Quadratic, Vec<Point>> {
         let Draft { mut seeds, pieces, elements: paired } = draft;
         let chords = Chords::new(&seeds.chords, &pieces);
@@ -306,11 +309,11 @@ impl Task<'_> {
         result
     }
 
-    /// Smooths the nodes and makes quadratic elements.
+    /// Smooths the positions of the nodes and makes quadratic elements.
     ///
     /// # Errors
     ///
-    /// The points at which elements must be smaller.
+    /// If elements are inverted or nearly so: the points at which elements must be smaller.
     fn shaped(&self, seeds: &mut Seeds, pieces: &[Piece], elements: &[Corners]) -> Result<Quadratic, Vec<Point>> {
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);
@@ -320,7 +323,7 @@ impl Task<'_> {
                 let Some((piece, t)) = seeds.on[node] else {
                     continue;
                 };
-                // A node stays within the middle half of the curve between the nodes before and after it.
+                // A node moves along its curve at most a quarter of the way to the node before or after it.
                 let bound = 0.75 * t + 0.25 * chord.span[other];
                 let [low, high] = match freedom[node] {
                     Freedom::Along(_, _, [first, _]) => [first.min(bound), first.max(bound)],

@@ -1,5 +1,5 @@
 //! The normal form in which a plate is meshed: centred at its bounding box, of extent one, along the given axes,
-//! rounded, and ordered by coordinates only. It does not depend on unit, position and order of the input.
+//! rounded, and ordered by coordinates only. The normal form does not depend on unit, position and order of the input.
 
 use crate::geometry::{Curve, Point, dot, order};
 use crate::outline::{Loop, Side};
@@ -7,26 +7,27 @@ use crate::sizes::Refinement;
 use crate::tree::Box2;
 use crate::{Line, MeshOptions};
 
-/// Grid of coordinates, relative to the extent: much larger than rounding errors of any unit, smaller than the distance
-/// of distinct points.
+/// Grid to which coordinates are rounded, relative to the extent of the plate. It is much coarser than rounding errors
+/// in any unit, and finer than the distance of distinct points.
 const GRID: f64 = 1.0 / (1u64 << 40) as f64;
-/// Grid of refinements. It is coarser, because their positions come from distances with fewer digits.
+/// Grid to which positions of refinements are rounded, relative to the extent. It is coarser than `GRID`, because these
+/// positions come from distances with fewer digits.
 const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
 
 pub struct Normal {
     centre: Point,
     extent: f64,
     axes: [Point; 2],
-    /// Given values of each coordinate: (normal form, original).
+    /// For each axis, the coordinates of all points of the input: (normal form, original).
     known: [Vec<(f64, f64)>; 2],
 }
 
-/// A side in original coordinates.
+/// A side of the outline in original coordinates.
 pub struct Given {
     pub curve: Curve,
-    /// Number of the side in the list of sides with the plate on their left.
+    /// Number of the side in the list of all sides that have the plate on their left.
     pub number: usize,
-    /// Loop, and number of the side in this loop.
+    /// Number of the loop, and number of the side in this loop.
     pub of: [usize; 2],
 }
 
@@ -53,7 +54,7 @@ impl Normal {
         [0, 1].map(|axis| ((p[axis] - self.centre[axis]) / self.extent / grid).round() * grid)
     }
 
-    /// Whether the axes are left-handed, so that the normal form is mirrored.
+    /// Whether the axes are left-handed; then the normal form is mirrored.
     pub fn is_mirrored(&self) -> bool {
         self.axes[0][0] * self.axes[1][1] < self.axes[0][1] * self.axes[1][0]
     }
@@ -68,13 +69,14 @@ impl Normal {
     }
 
     pub fn size(&self, size: f64) -> f64 {
-        // Rounds to the upper 30 of 53 bits (Dekker 1971).
+        // The size is rounded to the upper 30 of its 53 bits (Dekker 1971).
         let size = size / self.extent;
         let wide = f64::from((1 << 23) + 1) * size;
         wide - (wide - size)
     }
 
-    /// Maps a point of the normal form to original coordinates; given coordinates are returned exactly.
+    /// Maps a point of the normal form to original coordinates. Coordinates that occur in the input are returned
+    /// exactly.
     pub fn back(&self, p: Point) -> Point {
         [0, 1].map(|axis| {
             let (at, known) = (self.axes[0][axis] * p[0] + self.axes[1][axis] * p[1], &self.known[axis]);
@@ -94,8 +96,8 @@ impl Normal {
         through.and_then(|p| Curve::arc(from, self.point(p), to)).unwrap_or_else(|| Curve::straight(from, to))
     }
 
-    /// Sides in normal form, the plate on their left, and their original sides. Each loop begins at its smallest corner
-    /// in lexicographic order; holes are ordered by this corner.
+    /// Sides in normal form with the plate on their left, and for each its original side. Each loop begins at its
+    /// smallest corner in lexicographic order; holes are ordered by this corner.
     pub fn sides(&self, loops: &[Loop], sides: &[Side]) -> (Vec<Side>, Vec<Given>) {
         let mut rings: Vec<Vec<(Side, Given)>> = Vec::new();
         for (number, side) in sides.iter().enumerate() {
@@ -127,8 +129,8 @@ impl Normal {
         (own, given)
     }
 
-    /// Lines in normal form with `in_part`, and the original lines. They are ordered by rank, then by coordinates;
-    /// degenerate arcs are left out.
+    /// Lines in normal form, each with its `in_part`, and the original lines. They are ordered by rank, then by
+    /// coordinates. Degenerate arcs are left out.
     pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
         let mut result: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
         for &Line { mut ends, through, rank, in_part } in lines {

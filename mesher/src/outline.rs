@@ -1,25 +1,25 @@
-//! The outline of a plate and its holes: checked, with the plate on the left of each side.
+//! The outline of a plate and of its holes. Sides are checked and directed so that the plate is on their left.
 
 use crate::geometry::{Curve, Point, cross, distance, dot, nearest_points};
 use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-/// A closed line. Side i runs from corner i to corner i + 1, the last side to the first corner.
+/// A closed line: an outline or a hole. Side i runs from corner i to corner i + 1, the last side to the first corner.
 #[derive(Clone, Debug, Default)]
 pub struct Loop {
     pub corners: Vec<Point>,
-    /// For each side, a point on its arc; `None` for a straight side.
+    /// For each side, a point on its arc between the corners; `None` for a straight side.
     pub through: Vec<Option<Point>>,
-    /// Name of each side; several sides may share a name.
+    /// For each side, its name; several sides may have the same name.
     pub names: Vec<String>,
 }
 
-/// Reason why there is no mesh, and the side that causes it.
+/// Reason why no mesh was made, and the side that causes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
     pub message: String,
-    /// Loop (0 is the outline), and side in this loop.
+    /// Number of the loop (0 is the outline), and number of the side in this loop.
     pub side: Option<(usize, usize)>,
 }
 
@@ -33,30 +33,30 @@ impl std::error::Error for MeshError {}
 
 #[derive(Clone, Debug)]
 pub struct Side {
-    /// The curve, with the plate on its left.
+    /// The curve of the side, with the plate on its left.
     pub curve: Curve,
     pub name: String,
     pub ring: usize,
-    /// Number of the side in the given loop.
+    /// Number of the side in the loop of the input.
     pub number: usize,
-    /// Indices of the sides before and after it.
+    /// Indices of the sides before and after this side in the loop.
     pub neighbours: [usize; 2],
 }
 
 pub struct Outline {
     pub sides: Vec<Side>,
-    /// Chords along all sides; `owner` is the index of the side.
+    /// Chords along all sides. The `owner` of a chord is the index of its side.
     pub chords: Tree,
     pub bounds: Box2,
 }
 
-/// Smallest length and distance of sides, relative to the element size: smaller ones would require thousands of
-/// elements.
+/// Smallest length of a side and smallest distance of two sides, relative to the element size. Smaller ones would
+/// require thousands of elements.
 const NARROW: f64 = 1e-3;
-/// Smallest angle at a corner, in radians (one degree): elements in a sharper corner are useless.
+/// Smallest angle at a corner of the outline, in radians (one degree). Elements in a sharper corner would be useless.
 const SHARP: f64 = 0.017_452;
 
-/// The sides of all loops, the plate on their left; the first loop is the outline, the others are holes.
+/// The sides of all loops, with the plate on their left. The first loop is the outline, all others are holes.
 pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, MeshError> {
     let mut sides: Vec<Side> = Vec::new();
     for (ring, given) in loops.iter().enumerate() {
@@ -78,14 +78,14 @@ pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, MeshError> {
     Ok(sides)
 }
 
-/// The area on the left of the sides; holes count negative.
+/// The area on the left of the sides: that of the outline minus that of the holes.
 pub fn area(sides: &[Side]) -> f64 {
     let about = sides[0].curve.from;
     0.5 * sides.iter().map(|side| side.curve.moment(about)).sum::<f64>()
 }
 
 impl Outline {
-    /// Makes the outline of the given sides; `size` is the element size.
+    /// Makes the outline from its sides; `size` is the element size.
     pub fn new(sides: Vec<Side>, size: f64) -> Outline {
         let mut chords = Vec::new();
         for (owner, side) in sides.iter().enumerate() {
@@ -96,7 +96,7 @@ impl Outline {
         Outline { sides, chords: Tree::new(chords), bounds }
     }
 
-    /// Checks that the outline is valid for elements of the given size.
+    /// Returns an error unless the outline can be meshed by elements of the given size.
     pub fn require(&self, size: f64) -> Result<(), MeshError> {
         self.require_corners(NARROW * size)?;
         self.require_simple(NARROW * size)?;
@@ -111,7 +111,7 @@ impl Outline {
         self.sides[one].neighbours.contains(&other)
     }
 
-    /// The smallest interior angle at a corner, in degrees.
+    /// The smallest interior angle at a corner of the outline or of a hole, in degrees.
     pub fn sharpest(&self) -> f64 {
         let inside = |side: &Side| {
             let (inward, onward) = (side.curve.direction(1.0), self.sides[side.neighbours[1]].curve.direction(0.0));
@@ -155,7 +155,7 @@ impl Outline {
         Ok(())
     }
 
-    /// Refuses sides that cross, touch or nearly touch.
+    /// Returns an error if sides cross, touch or nearly touch.
     fn require_simple(&self, narrow: f64) -> Result<(), MeshError> {
         let touching = 1e-9 * self.bounds.extent();
         let mut worst: Option<(f64, usize, usize, Point)> = None;
@@ -211,7 +211,8 @@ impl Outline {
         Err(MeshError { message, side: Some(key(one).max(key(other))) })
     }
 
-    /// Refuses holes outside the outline or inside other holes; it is already checked that sides do not meet.
+    /// Returns an error if a hole is outside the outline or inside another hole. Sides must have been checked not to
+    /// meet.
     fn require_nested(&self, rings: usize) -> Result<(), MeshError> {
         for (index, side) in self.sides.iter().enumerate() {
             if side.ring == 0 || self.sides[..index].iter().any(|before| before.ring == side.ring) {
@@ -268,7 +269,7 @@ fn curve(given: &Loop, number: usize) -> Result<Curve, String> {
     }
 }
 
-/// A number with at most six digits.
+/// `value` as text with at most six digits.
 pub fn number(value: f64) -> String {
     let short: f64 = format!("{value:.5e}").parse().expect("a number that was written can be read");
     if short != 0.0 && !(1e-5..1e15).contains(&short.abs()) { format!("{short:e}") } else { short.to_string() }
@@ -278,13 +279,15 @@ pub fn place(p: Point) -> String {
     format!("[{}, {}]", number(p[0]), number(p[1]))
 }
 
-/// The angle in [0, π/2) for which the straight sides along or across it have the largest total length. The second
-/// value is the angle from it to a second direction that is neither close to 0° nor to 90°, if there is one.
+/// The angle in [0, π/2) for which the straight sides along it or perpendicular to it have the largest total length.
+/// The second value is the angle from there to a second direction of sides, if there is one that is neither near 0° nor
+/// near 90°.
 pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
     use std::f64::consts::{FRAC_PI_2, PI};
-    // Tolerance in radians for equal directions of sides: the rounding of their corners.
+    // Sides have equal directions if their angles differ by less than this, in radians: the rounding of their corners.
     const SAME: f64 = 1e-6;
-    // Cosines: of 40°, the smallest angle between lattice directions, and of an angle that counts as 90°.
+    // Cosines of two angles between lattice directions: `FLATTEST` of 40°, the smallest allowed one; the other of an
+    // angle that counts as 90°.
     const FLATTEST: f64 = 0.766;
     const SQUARE: f64 = 0.01;
     let longest = |period: f64, wanted: &dyn Fn(f64) -> bool| {
@@ -308,14 +311,14 @@ pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
         best.map(|(angle, _)| angle)
     };
     let first = longest(FRAC_PI_2, &|_| true).unwrap_or(0.0);
-    // Rounding must not rotate plates whose sides are along the axes.
+    // If the sides are along the axes except for rounding, the plate is not rotated.
     let first = if (1e-12..FRAC_PI_2 - 1e-12).contains(&first) { first } else { 0.0 };
     let slant = |angle: f64| (angle - first).cos().abs();
     let second = longest(PI, &|angle| slant(angle) > SQUARE && slant(angle) < FLATTEST);
     (first, second.map(|angle| (angle - first).rem_euclid(PI)))
 }
 
-/// Rotates a point about the origin.
+/// The point p rotated about the origin by an angle with the given cosine and sine.
 pub fn turned(p: Point, [cos, sin]: [f64; 2]) -> Point {
     let [x, y] = p;
     [cos * x - sin * y, sin * x + cos * y]

@@ -4,22 +4,22 @@ use crate::geometry::Point;
 use crate::quality::{Corners, quality};
 use crate::triangles::{NONE, Triangles};
 
-/// Smallest quality of a pair: the sine at every corner is at least this (25° to 155°).
+/// Smallest quality of a pair: the smallest sine of the corner angles of its quadrilateral (25° to 155°).
 const LEAST: f64 = 0.42;
-/// Reduction of the quality of pairs that remove a side along a lattice line. The cells of the lattice are the pairs
-/// across diagonals. In a lattice with an angle of 40°, their quality is 0.64, but pairs across lattice lines have
-/// 0.94.
+/// Reduction of the quality of pairs that remove a side along a lattice line, so that pairs across diagonals, which are
+/// the cells of the lattice, come first. In a lattice with an angle of 40°, these have a quality of 0.64, but pairs
+/// across lattice lines have 0.94.
 const KEPT: f64 = 0.35;
-/// Largest number of pairs exchanged in order to pair two more triangles.
+/// Largest number of pairs that are exchanged in order to pair two more triangles.
 const DEPTH: usize = 10;
 
-/// Pairs triangles: the best-shaped pairs first, then by augmenting paths.
+/// Pairs triangles into quadrilaterals: the best-shaped pairs first, then by augmenting paths.
 ///
-/// Pairs across sides for which `kept(a, b)` is true have a lower priority.
+/// Pairs across a side from a to b for which `kept(a, b)` is true have a lower priority.
 pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point) -> bool) -> Vec<Corners> {
     let count = triangles.corners.len();
     let mut sides = Vec::new();
-    // Possible partner of each triangle across each of its sides.
+    // For each triangle, its possible partner across each of its three sides.
     let mut partners = vec![[NONE; 3]; count];
     for t in 0..count {
         for i in 0..3 {
@@ -37,7 +37,8 @@ pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point)
             }
         }
     }
-    // Rounding must not decide the order of equal pairs, so that regular lattices are paired regularly.
+    // Qualities are rounded, so that pairs of equal quality are ordered by number and regular lattices are paired
+    // regularly.
     let rank = |shape: f64| (shape * 1e6).round();
     sides.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut mate = vec![NONE; count];
@@ -67,7 +68,7 @@ pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point)
     elements
 }
 
-/// The quadrilateral made of triangle t and the triangle across its side i.
+/// The quadrilateral that triangle t and the triangle across its side i form.
 fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
     let own = triangles.corners[t];
     let n = triangles.across[t][i];
@@ -76,7 +77,7 @@ fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
     [own[i], a, apex, b]
 }
 
-/// Finds a partner for triangle t, exchanging at most `depth` other pairs; returns whether there is one.
+/// Finds a partner for triangle t by exchanging at most `depth` other pairs. Returns whether a partner was found.
 fn augment(t: usize, depth: usize, partners: &[[usize; 3]], mate: &mut [usize], on_path: &mut [bool]) -> bool {
     on_path[t] = true;
     let mut result = false;

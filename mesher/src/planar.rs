@@ -1,20 +1,20 @@
-//! Sides of the outline and followed lines, cut where they meet: vertices, and the pieces between them.
+//! Sides of the outline and followed lines, divided at the points where they meet into pieces between vertices.
 
 use crate::geometry::{Curve, Point, cross, distance, dot, order, scale};
 use crate::outline::Outline;
 use crate::sizes::Sizes;
 
-/// The part of a curve between two vertices.
+/// A piece: the part of a curve between two consecutive vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     pub curve: Curve,
-    /// Fractions of the curve's length at which the piece begins and ends.
+    /// Fractions of the curve's length at which the piece begins and at which it ends.
     pub span: [f64; 2],
     pub ends: [usize; 2],
     pub of: Source,
 }
 
-/// Source of a piece, with its number: a side of the outline, or a line within the plate.
+/// The curve that a piece is part of, with its number: a side of the outline, or a line within the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
     Side(usize),
@@ -27,10 +27,11 @@ impl Source {
     }
 }
 
+/// A side of the outline or a followed line, with the vertices on it.
 struct Track {
     curve: Curve,
     of: Source,
-    /// Fractions of the curve's length, and the vertices there.
+    /// Vertices on the curve: (fraction of the curve's length, number of the vertex).
     cuts: Vec<(f64, usize)>,
 }
 
@@ -39,19 +40,19 @@ pub struct Planar<'a> {
     sizes: &'a Sizes,
     vertices: Vec<Point>,
     tracks: Vec<Track>,
-    /// Points are equal if they are nearer to each other than this.
+    /// Two points are equal if their distance is at most this.
     same: f64,
 }
 
-/// Smallest distance of a followed line from others, relative to the element size.
+/// Smallest distance of a followed line from other lines and vertices, relative to the element size.
 pub const NEAR: f64 = 0.55;
-/// Sine of the smallest angle between a followed line and the curve at which it ends (25°).
+/// Sine of the smallest angle between a followed line and the curve at which the line ends (25°).
 const SLANT: f64 = 0.42;
 
-/// Number of sample points on a line per smallest distance.
+/// Number of sample points per smallest distance along a line that is followed in part.
 const STATIONS: f64 = 4.0;
 
-/// Begin or end of a part of a new line; `share` is the fraction of its length.
+/// Begin or end of a part of a new line; `share` is the fraction of the line's length.
 #[derive(Clone, Copy)]
 struct Stop {
     share: f64,
@@ -71,8 +72,8 @@ impl<'a> Planar<'a> {
         Planar { outline, sizes, vertices, tracks, same }
     }
 
-    /// Follows a line inside the plate: wholly, if it is far enough from all other lines and vertices; if `in_part`,
-    /// the parts for which this is true.
+    /// Follows the part of a line that is inside the plate, if it is far enough from all other lines and vertices. If
+    /// `in_part`, only those parts are followed that are far enough.
     pub fn follow_curve(&mut self, number: usize, line: &Curve, in_part: bool) {
         let length = line.length();
         if !(length > self.same) {
@@ -96,7 +97,7 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// Makes a point of the plate a vertex if it is far enough from other vertices and lines.
+    /// Makes the point p a vertex if p is in the plate and far enough from vertices and lines.
     pub fn follow_point(&mut self, p: Point) {
         let on = self.track_at(p);
         if !(on.is_some() || self.outline.contains(p)) || self.vertex_at(p).is_some() || !self.has_room(p) {
@@ -109,9 +110,9 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// The vertices, and the pieces between them; a vertex without a piece comes from `follow_point`.
+    /// The vertices, and the pieces between them. A vertex without a piece is a point from `follow_point`.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
-        // Numbers depend on coordinates only and not on the order in which lines were followed.
+        // The numbers of vertices and pieces depend on coordinates, not on the order in which lines were followed.
         let sides = self.outline.sides.len();
         let mut result: Vec<usize> = (0..self.vertices.len()).collect();
         result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
@@ -150,7 +151,7 @@ impl<'a> Planar<'a> {
             let met = line.crossings(&track.curve);
             stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
-        // Merges stops at equal points; the merged stop keeps a vertex if there is one.
+        // Stops at equal points are merged into one, which keeps their vertex if one of them has a vertex.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
         let mut merged: Vec<Stop> = Vec::new();
         for stop in stops {
@@ -179,7 +180,7 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// The parts of a line that may be followed: all of it, or the parts that are far enough from other lines and
+    /// The parts of a line that may be followed: the whole line, or parts that are far enough from other lines and
     /// vertices.
     fn with_room(&self, ends: &[Stop; 2], stretch: &Curve) -> Vec<([Stop; 2], Curve)> {
         if self.may_follow(ends, stretch) {
@@ -198,7 +199,7 @@ impl<'a> Planar<'a> {
                 && parts.last().is_none_or(|(ends, _): &([Stop; 2], Curve)| distance(ends[1].at, at(i)) >= near(at(i)))
         }) {
             let last = (first..=count).take_while(|&i| clear[i]).last().unwrap_or(first);
-            // Extends the part to the end of the line if only that end is too near.
+            // If only the sample points at an end of the line are too near, the part up to this end is tried first.
             let from =
                 if parts.is_empty() { vec![Stop { share: 0.0, ..ends[0] }, stop(first)] } else { vec![stop(first)] };
             let to = if clear[last..].iter().skip(1).any(|&c| c) {
@@ -214,7 +215,7 @@ impl<'a> Planar<'a> {
         parts
     }
 
-    /// The vertex at a point. It is added if it does not exist, also to the track through the point.
+    /// The number of the vertex at a point. If no vertex is there, one is added, also to the track through this point.
     fn vertex(&mut self, at: Point) -> usize {
         if let Some(vertex) = self.vertex_at(at) {
             return vertex;
@@ -238,7 +239,7 @@ impl<'a> Planar<'a> {
                 return false;
             }
         }
-        // Straight lines are nearest to each other at an end; arcs may be so anywhere.
+        // A straight line is nearest to another at one of its ends, so only arcs are sampled in between.
         let stations = if part.is_straight() { 0 } else { (4.0 * part.length() / near(part.at(0.5))).ceil() as usize };
         let apart = self.vertices.iter().all(|&v| {
             let off = distance(v, part.at(part.nearest(v)));
@@ -256,7 +257,7 @@ impl<'a> Planar<'a> {
                         }
                         let direction = track.curve.direction(t);
                         let steep = cross(direction, onward).abs() >= SLANT;
-                        // At the end of a track the new line may continue it.
+                        // A new line may continue a track at the end of the track.
                         let length = track.curve.length();
                         steep
                             || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
@@ -266,13 +267,13 @@ impl<'a> Planar<'a> {
             )
     }
 
-    /// Whether a new vertex is far enough from other vertices, and from tracks that do not pass through it.
+    /// Whether a new vertex is far enough from all vertices, and from all tracks that do not pass through it.
     fn has_room(&self, at: Point) -> bool {
         let near = NEAR * self.sizes.at(at);
         self.vertices.iter().all(|&v| distance(v, at) >= near) && self.is_clear(at, near)
     }
 
-    /// Whether a point is at least `near` from all tracks that do not pass through it.
+    /// Whether the point `at` is at least `near` away from all tracks that do not pass through it.
     fn is_clear(&self, at: Point, near: f64) -> bool {
         self.tracks.iter().all(|track| {
             let off = distance(track.curve.at(track.curve.nearest(at)), at);

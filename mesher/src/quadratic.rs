@@ -1,4 +1,4 @@
-//! Midside nodes, on arcs where sides follow arcs, and the resulting mesh.
+//! Midside nodes, which are on arcs where element sides follow arcs, and the final mesh.
 
 use crate::Mesh;
 use crate::geometry::{Curve, Point, add, between, cross, scale, sub};
@@ -11,16 +11,16 @@ use crate::smoothing::Freedom;
 use crate::triangles::NONE;
 
 pub struct Quadratic {
-    /// Corners of elements (corners of the outline first), then midside nodes.
+    /// Corners of elements (those at corners of the outline first), then midside nodes.
     points: Vec<Point>,
     elements: Vec<[usize; 8]>,
-    /// Element sides on the outline as (corner, midside node, corner), and the index of the outline side.
+    /// Each element side on the outline: (corner, midside node, corner), and the index of the outline side.
     sides: Vec<([usize; 3], usize)>,
     corners: Vec<Corners>,
-    /// Elements with a curved side.
+    /// Indices of the elements with a curved side.
     curved: Vec<usize>,
-    /// (source, node) for corners on lines and outline sides (`on`, lines first), and for midside nodes on arcs
-    /// (`bent`).
+    /// (source, node) of the corners on lines and outline sides (`on`, lines first), and of the midside nodes on arcs
+    /// (`bent`). The source is the line or outline side.
     on: Vec<(Source, usize)>,
     bent: Vec<(Source, usize)>,
 }
@@ -37,7 +37,8 @@ impl Quadratic {
         let corners: Vec<Corners> =
             elements.iter().map(|e| e.map(|node| if node == NONE { NONE } else { number[node] })).collect();
 
-        // Element sides (corners, element, number in the element), sorted so that a side's two elements are adjacent.
+        // Sides of all elements: (corners, element, number of the side in the element). They are sorted, so that a side
+        // common to two elements is found twice in succession.
         let mut halves: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(4 * corners.len());
         for (e, own) in corners.iter().enumerate() {
             let n = count(own);
@@ -50,7 +51,7 @@ impl Quadratic {
         let mut nodes: Vec<[usize; 8]> = corners
             .iter()
             .map(|own| {
-                // A triangle repeats its third corner, also as the midside node of the collapsed side.
+                // A triangle repeats its third corner, also as the midside node of its collapsed side.
                 let mut all = [own[2]; 8];
                 all[..count(own)].copy_from_slice(&own[..count(own)]);
                 all
@@ -100,9 +101,9 @@ impl Quadratic {
         Quadratic { points, elements: nodes, sides, corners, curved, on, bent }
     }
 
-    /// Centres of elements that are inverted or nearly inverted by an arc.
+    /// Centres of the elements that are inverted or, because of an arc, nearly inverted.
     pub fn folded(&self) -> Vec<Point> {
-        // Smallest Jacobian relative to the same element with straight sides.
+        // Smallest allowed Jacobian, relative to that of the same element with straight sides.
         const LEFT: f64 = 0.2;
         let mut result = Vec::new();
         let flat = (0..self.corners.len()).filter(|&e| !(quality(&self.corners[e], |n| self.points[n]) > 1e-3));
@@ -115,7 +116,8 @@ impl Quadratic {
         result
     }
 
-    /// Smallest ratio of an element's Jacobian to that of its straight-sided element, over a grid of 5 × 5 points.
+    /// Smallest ratio of an element's Jacobian to the Jacobian of the same element with straight sides, over a grid of
+    /// 5 × 5 points.
     fn least_share(&self, e: usize) -> f64 {
         let n = count(&self.corners[e]);
         let at = |i: usize| self.points[self.elements[e][i]];
@@ -159,7 +161,7 @@ impl Quadratic {
         least
     }
 
-    /// Area of quadrilaterals relative to the whole area, and the smallest angle at a corner, in degrees.
+    /// Area of quadrilaterals divided by the whole area, and the smallest corner angle in degrees.
     pub fn measures(&self) -> (f64, f64) {
         let at = |n: usize| self.points[n];
         let (mut whole, mut four, mut least) = (0.0, 0.0, f64::INFINITY);
@@ -176,8 +178,8 @@ impl Quadratic {
         self.elements.len()
     }
 
-    /// The mesh in original coordinates. `back` is the rotation from the mesh to the normal form; `sides` and `lines`
-    /// are the original curves.
+    /// The mesh in original coordinates. `back` has cosine and sine of the rotation from the mesh to the normal form.
+    /// `sides` and `lines` are the original curves.
     pub fn finish(self, sides: &[Given], lines: &[Curve], normal: &Normal, back: [f64; 2]) -> Mesh {
         let (quadrilaterals, least_angle) = self.measures();
         let mut points: Vec<Point> = self.points.iter().map(|&p| normal.back(turned(p, back))).collect();
@@ -185,8 +187,8 @@ impl Quadratic {
             Source::Side(side) => &sides[side].curve,
             Source::Line(line) => &lines[line],
         };
-        // Rounding moves nodes off the given curves, so they are projected back; at crossings alternately onto both
-        // curves.
+        // Rounding moves nodes away from the original curves, so they are projected back. At a crossing a node is
+        // projected alternately onto both curves.
         for (of, node) in [&self.on[..], &self.on, &self.bent].concat() {
             let curve = given(of);
             points[node] = curve.at(curve.nearest(points[node]));

@@ -1,23 +1,23 @@
-//! Shape quality of elements.
+//! Shape quality of elements, measured by the sines of their corner angles.
 
 use crate::geometry::{Point, cross, dot, sub, turn};
 use crate::triangles::NONE;
 
-/// Corners of a quadrilateral, or of a triangle and then `NONE`, counter-clockwise.
+/// Corners of a quadrilateral, counter-clockwise. A triangle has three corners and then `NONE`.
 pub type Corners = [usize; 4];
 
 pub fn count(corners: &Corners) -> usize {
     if corners[3] == NONE { 3 } else { 4 }
 }
 
-/// The smallest sine of a corner angle; for a triangle, relative to sin 60°. It is 1 for rectangles and equilateral
-/// triangles, and negative if a corner is reentrant.
+/// Quality of an element: the smallest sine of its corner angles, for a triangle divided by sin 60°. It is 1 for
+/// rectangles and equilateral triangles, and negative if a corner is reentrant.
 pub fn quality(corners: &Corners, at: impl Fn(usize) -> Point) -> f64 {
     if corners[3] == NONE {
         let [a, b, c] = [corners[0], corners[1], corners[2]].map(at);
         let (u, v, w) = (sub(b, a), sub(c, b), sub(a, c));
         let (u2, v2, w2) = (dot(u, u), dot(v, v), dot(w, w));
-        // The smallest sine is at the corner between the two longest sides.
+        // In a triangle the smallest sine is at the corner between the two longest sides.
         let longest = u2 * v2 * w2 / u2.min(v2).min(w2);
         return cross(u, v) / longest.sqrt() / 0.866_025_403_784_438_6;
     }
@@ -30,7 +30,7 @@ pub fn quality(corners: &Corners, at: impl Fn(usize) -> Point) -> f64 {
     least
 }
 
-/// The smallest corner angle, in degrees.
+/// The smallest corner angle of an element, in degrees.
 pub fn least_angle(corners: &Corners, at: impl Fn(usize) -> Point) -> f64 {
     let n = count(corners);
     let mut least = f64::INFINITY;

@@ -1,4 +1,5 @@
-//! Initial nodes: along the pieces, and inside the plate on a lattice, which is finer where elements must be smaller.
+//! Initial nodes: along the pieces of outline and lines, and inside the plate on a lattice, which is finer where
+//! elements must be smaller.
 
 use crate::geometry::{Curve, Point, add, between, distance};
 use crate::outline::Outline;
@@ -6,15 +7,16 @@ use crate::planar::{NEAR, Piece};
 use crate::sizes::Sizes;
 use crate::tree::{Box2, Segment, Tree};
 
-/// Nodes, and chords between consecutive nodes of a piece.
+/// Initial nodes, and chords between consecutive nodes of a piece.
 pub struct Seeds {
     pub points: Vec<Point>,
-    /// Number of vertices, which are the first points and are fixed.
+    /// Number of fixed nodes. They are the vertices and come first in `points`.
     pub fixed_points: usize,
-    /// For each node that may slide on a piece: the piece, and the fraction of its curve's length.
+    /// For each node that may slide along a piece: the piece, and the fraction of its curve's length. `None` for other
+    /// nodes.
     pub on: Vec<Option<(usize, f64)>>,
     pub chords: Vec<Chord>,
-    /// Chords and nodes of pieces, for distances.
+    /// Chords and nodes of all pieces, in a tree for distances from them.
     fixed: Tree,
 }
 
@@ -22,23 +24,24 @@ pub struct Seeds {
 pub struct Chord {
     pub ends: [usize; 2],
     pub piece: usize,
-    /// Fractions of the curve's length at which the chord begins and ends.
+    /// Fractions of the piece's curve length at which the chord begins and ends.
     pub span: [f64; 2],
 }
 
-/// Largest side relative to the element size: halves of a longer side are nearer to the size.
+/// Largest side relative to the element size. A longer side is halved, since its halves are nearer to the element size.
 const LONG: f64 = 1.42;
 
-/// Placement of nodes inside the plate.
+/// The way in which nodes are placed inside the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Style {
-    /// On a square lattice.
+    /// Nodes on a square lattice.
     Square,
-    /// On a square lattice, and at a depth of one element along pieces that are oblique to it.
+    /// Nodes on a square lattice, and at a depth of one element along pieces that are oblique to the lattice.
     Lined,
-    /// On a square lattice only where elements have their largest size; refinement of triangles adds the other nodes.
+    /// Nodes on a square lattice only where elements have their largest size. Refinement of triangles adds the other
+    /// nodes.
     Loose,
-    /// On a lattice whose lines are at this angle, which is not 90°.
+    /// Nodes on a lattice whose two directions enclose this angle in radians, which is not 90°.
     Skew(f64),
 }
 
@@ -75,13 +78,13 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
 }
 
 impl Seeds {
-    /// Whether a point is far enough from all pieces to be a node of elements of this size.
+    /// Whether a point is far enough from all pieces to be a node of elements of the given size.
     pub fn is_free(&self, p: Point, size: f64) -> bool {
-        // The subtracted value is a tolerance for the distance of lattice lines from followed lines.
+        // The subtracted value allows for rounding in the distance of lattice lines from followed lines.
         self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
     }
 
-    /// Adds nodes beside the nodes of pieces that are oblique to the lattice, at a depth of one element.
+    /// Adds nodes at a depth of one element beside the nodes of those pieces that are oblique to the lattice.
     fn line(&mut self, outline: &Outline, sizes: &Sizes, pieces: &[Piece], grid: &Grid) {
         let mut beside: Vec<Point> = Vec::new();
         for (node, on) in self.on.iter().enumerate() {
@@ -122,12 +125,12 @@ impl Seeds {
     }
 }
 
-/// Coordinates of the lattice lines in a sheared plane, where the lines are x = … and y = ….
+/// The lattice: coordinates of its lines in a sheared plane, in which they are the lines x = … and y = ….
 pub struct Grid {
     lines: [Vec<f64>; 2],
-    /// Cosine and sine of the angle between the lattice directions.
+    /// Cosine and sine of the angle between the two lattice directions.
     second: [f64; 2],
-    /// Tolerance for equal coordinates.
+    /// Two coordinates are equal if they differ by at most this.
     level: f64,
 }
 
@@ -137,7 +140,7 @@ impl Grid {
         let mut grid = Grid { lines: [Vec::new(), Vec::new()], second, level: 1e-9 * outline.bounds.extent() };
         let bounds = Box2::around(outline.chords.segments.iter().map(|s| grid.flat(s.a)));
         grid.lines = [0, 1].map(|axis| {
-            // Coordinates of the pieces along this line direction, and their lengths.
+            // For this axis, the coordinates of straight pieces along the other axis, with the lengths of these pieces.
             let mut lines: Vec<(f64, f64)> = vec![(bounds.low[axis], 0.0), (bounds.high[axis], 0.0)];
             for piece in pieces.iter().filter(|piece| grid.axis_along(&piece.curve) == Some(1 - axis)) {
                 let length = piece.curve.length() * (piece.span[1] - piece.span[0]);
@@ -170,30 +173,30 @@ impl Grid {
         grid
     }
 
-    /// Maps a point to the sheared plane.
+    /// Maps a point of the plate to the sheared plane.
     fn flat(&self, p: Point) -> Point {
         let [cos, sin] = self.second;
         [p[0] - p[1] * cos / sin, p[1] / sin]
     }
 
-    /// Maps a point of the sheared plane back.
+    /// Maps a point of the sheared plane back to the plate.
     fn real(&self, p: Point) -> Point {
         let [cos, sin] = self.second;
         [p[0] + p[1] * cos, p[1] * sin]
     }
 
-    /// The axis that a straight curve is parallel to.
+    /// The lattice direction (0 or 1) to which a straight curve is parallel; `None` if it is parallel to neither.
     fn axis_along(&self, curve: &Curve) -> Option<usize> {
         let (from, to) = (self.flat(curve.from), self.flat(curve.to));
         (0..2).find(|&axis| curve.is_straight() && (to[1 - axis] - from[1 - axis]).abs() <= self.level)
     }
 
-    /// Whether the line through two points is parallel to a lattice direction.
+    /// Whether the line through the points a and b is parallel to a lattice direction.
     pub fn is_along(&self, a: Point, b: Point) -> bool {
         self.axis_along(&Curve::straight(a, b)).is_some()
     }
 
-    /// Fractions of a piece's curve at which nodes are placed between its ends.
+    /// Fractions of a piece's curve length at which nodes are placed between the ends of the piece.
     fn stations(&self, piece: &Piece, sizes: &Sizes) -> Vec<f64> {
         let [from, to] = piece.span;
         let Some(axis) = self.axis_along(&piece.curve) else {
@@ -226,7 +229,7 @@ impl Grid {
         stations
     }
 
-    /// Points of the lattice, whose cells are halved until they have the wanted size.
+    /// Points of the lattice. Its cells are halved until they have the size that elements shall have there.
     fn lattice(&self, sizes: &Sizes) -> Vec<Point> {
         let [x, y] = &self.lines;
         let mut points = Vec::new();
@@ -241,7 +244,8 @@ impl Grid {
     }
 }
 
-/// Halves an interval until its parts have the wanted size; appends the begin of each part.
+/// Halves an interval until its parts have at most 1.42 times the size that elements shall have there. Appends the
+/// begin of each part to `result`.
 fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, result: &mut Vec<f64>) {
     let middle = 0.5 * (low + high);
     if high - low > LONG * size(middle) {
@@ -274,7 +278,8 @@ fn quarter(low: Point, high: Point, sizes: &impl Fn(Point) -> f64, points: &mut 
     }
 }
 
-/// Fractions of a curve between `from` and `to` that divide it into parts with equal numbers of wanted elements.
+/// Fractions of a curve's length that divide its part from `from` to `to` so that each division needs the same number
+/// of elements.
 fn even(curve: &Curve, from: f64, to: f64, sizes: &Sizes) -> Vec<f64> {
     let at = |t: f64| curve.at(from + t * (to - from));
     let counts = sizes.counts(at, curve.length() * (to - from));

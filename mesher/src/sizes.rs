@@ -1,11 +1,12 @@
-//! Wanted sizes of elements: from the given size, refinements, short sides, arcs and narrow parts.
+//! Sizes that elements shall have: from the given size, refinements, short sides, arcs and narrow parts of the plate.
 
 use crate::geometry::{Point, between, cross, distance, sub};
 use crate::outline::Outline;
 use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::TAU;
 
-/// Elements have at most `size` along the straight line from `from` to `to`, or at a point if both are equal.
+/// A refinement: elements along the straight line from `from` to `to` have at most the size `size`. If both points are
+/// equal, it applies at this point.
 #[derive(Clone, Copy, Debug)]
 pub struct Refinement {
     pub from: Point,
@@ -18,9 +19,10 @@ pub struct Sizes {
     finer: Tree,
 }
 
-/// Increase of the element size per unit of distance; sizes of neighbouring elements differ by at most a factor of 1.3.
+/// Increase of the element size per unit of distance. Sizes of neighbouring elements then differ by at most a factor of
+/// 1.3.
 const GROWTH: f64 = 0.25;
-/// Smallest number of elements around a full circle.
+/// Smallest number of elements along a full circle.
 const AROUND: f64 = 12.0;
 
 impl Sizes {
@@ -47,7 +49,7 @@ impl Sizes {
         self.finer.least(p, GROWTH, self.largest, |_| true).map_or(self.largest, |(size, ..)| size)
     }
 
-    /// Approximate number of elements; counting stops above `most`.
+    /// Approximate number of elements of the mesh. Counting stops above `most`.
     pub fn count(&self, outline: &Outline, most: f64) -> f64 {
         let Box2 { low, high } = outline.bounds;
         let mut sum = 0.0;
@@ -57,8 +59,8 @@ impl Sizes {
             let size = self.at(middle);
             let wide = sub(high, low);
             let cells = wide[0] / size * (wide[1] / size);
-            // Within a box of eight elements the size is nearly constant; if it is constant in the plate, larger boxes
-            // suffice.
+            // In a box that is at most eight elements wide, the size is nearly constant. If the size is constant in the
+            // whole plate, larger boxes suffice.
             if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
                 sum += if outline.contains(middle) { cells } else { 0.0 };
             } else if wide[0] > wide[1] {
@@ -70,13 +72,13 @@ impl Sizes {
         sum
     }
 
-    /// Whether any element must be smaller than the largest size.
+    /// Whether elements must be smaller than the largest size anywhere in the plate.
     pub fn is_graded(&self) -> bool {
         !self.finer.segments.is_empty()
     }
 
-    /// Number of elements from the begin of a curve to each of equally spaced points, ascending; `at(t)` is its point
-    /// at t in [0, 1].
+    /// Numbers of elements, ascending, from the begin of a curve to each of equally spaced points on it. `at(t)` is the
+    /// point of the curve at t in [0, 1].
     pub fn counts(&self, at: impl Fn(f64) -> Point, length: f64) -> Vec<f64> {
         let stations = (4.0 * length / self.least_along(&at)).ceil().clamp(4.0, 1e6) as usize;
         let step = length / stations as f64;
@@ -94,7 +96,7 @@ impl Sizes {
     }
 }
 
-/// Where the outline is near on the other side of the plate, limits the size along a chord to the width in between.
+/// Limits the element size along the chord ab to the width of the plate there, if the opposite outline is near.
 fn narrow(outline: &Outline, side: usize, a: Point, b: Point, largest: f64, finer: &mut Vec<Segment>) {
     let (middle, length) = (between(a, b, 0.5), distance(a, b));
     let other = |s: &Segment| s.owner != side && !outline.are_neighbours(side, s.owner);

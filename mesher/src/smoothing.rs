@@ -3,22 +3,23 @@
 use crate::geometry::{Curve, Point, add, distance, scale};
 use crate::quality::{Corners, count, quality};
 
-/// Freedom of a node to move.
+/// How a node may move.
 #[derive(Clone, Copy)]
 pub enum Freedom {
     None,
     Plane,
-    /// On a curve, at a fraction of its length, which stays between the two bounds.
+    /// The node may move along a curve. It is at this fraction of the curve's length, which stays between the two
+    /// bounds.
     Along(Curve, f64, [f64; 2]),
 }
 
-/// Number of sweeps towards the mean of the neighbours, and number of sweeps that try directions around the worst
-/// nodes.
+/// Number of sweeps that move nodes towards the mean of their neighbours (`SWEEPS`), then number of sweeps that try
+/// several directions for nodes of badly shaped elements (`SEARCHES`).
 const SWEEPS: usize = 6;
 const SEARCHES: usize = 14;
-/// If the worst element around a node has a quality above this (corners of 72°), the node is not moved.
+/// If all elements around a node have a quality above this (corners of 72°), the node is not moved.
 const GOOD: f64 = 0.95;
-/// If the worst element around a node has a quality below this (corners of 55°), the node is tried in every direction.
+/// If an element around a node has a quality below this (corners of 55°), the node is tried in every direction.
 const POOR: f64 = 0.82;
 
 pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom]) {
@@ -60,7 +61,7 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
     }
 }
 
-/// Tries points around a node at a distance of `step` times its shortest side; returns whether the node was moved.
+/// Tries positions around a node, at `step` times the length of its shortest side. Returns whether the node was moved.
 fn search(
     node: usize,
     step: f64,
@@ -70,7 +71,7 @@ fn search(
     elements: &[Corners],
     freedom: &mut [Freedom],
 ) -> bool {
-    // Eight directions, the first four along the axes.
+    // Eight unit vectors, the first four along the axes.
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
     const DIRECTIONS: [Point; 8] =
         [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [D, D], [-D, D], [-D, -D], [D, -D]];
@@ -115,7 +116,7 @@ impl Shape {
     }
 }
 
-/// The elements around each node, compressed by node.
+/// For each node, the elements around it, compressed by node.
 struct Around {
     starts: Vec<usize>,
     elements: Vec<usize>,
@@ -145,7 +146,7 @@ impl Around {
         &self.elements[self.starts[node]..self.starts[node + 1]]
     }
 
-    /// Worst and mean quality of the elements around a node if it were at `place`.
+    /// Worst and mean quality that the elements around a node would have if the node were at `place`.
     fn shape(&self, node: usize, place: Point, points: &[Point], elements: &[Corners]) -> Shape {
         let (mut worst, mut sum) = (f64::INFINITY, 0.0);
         for &e in self.of(node) {
@@ -156,7 +157,7 @@ impl Around {
         Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
     }
 
-    /// Worst and mean of the known qualities of the elements around a node.
+    /// Worst and mean of the stored qualities `shapes` of the elements around a node.
     fn known(&self, node: usize, shapes: &[f64]) -> Shape {
         let (mut worst, mut sum) = (f64::INFINITY, 0.0);
         for &e in self.of(node) {
@@ -166,12 +167,12 @@ impl Around {
         Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
     }
 
-    /// Updates the qualities of the elements around a node that has moved.
+    /// Updates the stored qualities `shapes` of the elements around a node that has moved.
     fn update(&self, node: usize, points: &[Point], elements: &[Corners], shapes: &mut [f64]) {
         self.of(node).iter().for_each(|&e| shapes[e] = quality(&elements[e], |n| points[n]));
     }
 
-    /// Mean of the neighbours of a node.
+    /// Mean position of the neighbours of a node.
     fn middle(&self, node: usize, points: &[Point], elements: &[Corners]) -> Point {
         let (mut sum, mut number) = ([0.0; 2], 0.0);
         self.neighbours(node, elements, |n| {
@@ -187,7 +188,7 @@ impl Around {
         least
     }
 
-    /// Calls `take` with each neighbour of a node; neighbours across inner sides occur twice.
+    /// Calls `take` with each neighbour of a node. Neighbours across sides of two elements occur twice.
     fn neighbours(&self, node: usize, elements: &[Corners], mut take: impl FnMut(usize)) {
         for &e in self.of(node) {
             let n = count(&elements[e]);

@@ -1,4 +1,5 @@
-//! Weighted segments in a tree of bounding boxes, for nearest segments and for segments near a box.
+//! Weighted segments in a tree of bounding boxes, which finds the nearest segment to a point and the segments near a
+//! box.
 
 use crate::geometry::{Point, between, distance, nearest_share};
 
@@ -6,7 +7,7 @@ use crate::geometry::{Point, between, distance, nearest_share};
 pub struct Segment {
     pub a: Point,
     pub b: Point,
-    /// Added to the distance in [`Tree::least`].
+    /// Number that [`Tree::least`] adds to the distance from this segment.
     pub weight: f64,
     pub owner: usize,
 }
@@ -33,7 +34,7 @@ impl Box2 {
         Box2 { low: [self.low[0] - by, self.low[1] - by], high: [self.high[0] + by, self.high[1] + by] }
     }
 
-    /// Length of the longer side.
+    /// Length of the longer side of the box.
     pub fn extent(&self) -> f64 {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
     }
@@ -53,7 +54,7 @@ struct Branch {
     least_weight: f64,
     from: usize,
     to: usize,
-    /// Indices of both halves; zeros for a leaf.
+    /// Indices of the two nodes into which this node of the tree is divided; zeros for a leaf.
     halves: [usize; 2],
 }
 
@@ -89,8 +90,8 @@ impl Tree {
         own
     }
 
-    /// The smallest weight + slope × distance from p, if it is less than `bound`, over the segments for which `wanted`
-    /// is true. Returns this value, the segment, and its point nearest to p.
+    /// The smallest weight + slope × distance from p over the segments for which `wanted` is true, if it is less than
+    /// `bound`. Returns this value, the segment, and the point of the segment nearest to p.
     pub fn least(
         &self,
         p: Point,
@@ -133,7 +134,7 @@ impl Tree {
         self.branches[at].least_weight + slope * self.branches[at].bounds.distance(p)
     }
 
-    /// Calls `take` with each segment whose bounding box meets `bounds`.
+    /// Calls `take` with each segment whose bounding box meets the box `bounds`.
     pub fn meeting(&self, bounds: &Box2, mut take: impl FnMut(&Segment)) {
         let mut open = Vec::with_capacity(32);
         if !self.branches.is_empty() {
@@ -156,7 +157,8 @@ impl Tree {
         }
     }
 
-    /// Whether the closed loops of the `wanted` segments contain p, by counting crossings to the right of p.
+    /// Whether p is inside the closed loops that the segments with `wanted` form. Counts the crossings to the right of
+    /// p.
     pub fn encloses(&self, p: Point, wanted: impl Fn(&Segment) -> bool) -> bool {
         let right = Box2 { low: p, high: [f64::INFINITY, p[1]] };
         let mut inside = false;

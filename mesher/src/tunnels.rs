@@ -1,4 +1,4 @@
-//! Merging of remaining triangles in pairs, by changing the quadrilaterals between them.
+//! Merges remaining triangles in pairs, by changing the quadrilaterals between the two triangles of a pair.
 
 use crate::geometry::{Point, between, cross, distance, scale};
 use crate::planar::Piece;
@@ -10,22 +10,23 @@ use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-/// Smallest quality of intermediate triangles (10°), before smoothing.
+/// Smallest quality, before smoothing, of a triangle in an intermediate step (10°).
 const LEAST_TRIANGLE: f64 = 0.2;
-/// Largest length of a new side relative to the wanted size; the long side of three equilateral triangles in a row is
-/// 2.
+/// Largest length of a new side relative to the element size there. Three equilateral triangles in a row have a long
+/// side of 2.
 const LONG: f64 = 2.1;
-/// Largest number of quadrilaterals between two triangles, and largest number of states visited from a triangle.
+/// Largest number of quadrilaterals between two triangles that are merged (`FAR`), and largest number of states that a
+/// search visits (`LOOKS`).
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
-/// Cost of each step, added to the cost of its element's shape.
+/// Cost of each step of a search, in addition to the cost of the shape of its new element.
 const STEP: f64 = 0.05;
 
-/// Replaces pairs of triangles, and the quadrilaterals between them, by quadrilaterals only.
+/// Replaces pairs of triangles, and the quadrilaterals between the two, by quadrilaterals only.
 ///
-/// A triangle and an adjacent quadrilateral form a pentagon, which can be divided with the triangle at another corner.
-/// In this way the triangle moves towards another triangle. Chords of pieces are kept. Before smoothing, all new
-/// quadrilaterals have at least the quality `least`.
+/// A triangle and an adjacent quadrilateral form a pentagon. It can be divided again with the triangle at another
+/// corner; in this way the triangle moves towards another triangle. Chords of pieces are kept. Before smoothing, all
+/// new quadrilaterals have at least the quality `least`.
 pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, sizes: &Sizes, least: f64) {
     let mut open: Vec<usize> = (0..elements.len()).filter(|&e| count(&elements[e]) == 3).collect();
     if open.len() < 2 {
@@ -69,7 +70,8 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     });
 }
 
-/// Sides along pieces, in both directions. For arcs, the unit tangent at the first node.
+/// Element sides along pieces, in both directions. A side along an arc has the unit tangent of the arc at its first
+/// node.
 pub struct Chords(HashMap<[usize; 2], Option<Point>>);
 
 impl Chords {
@@ -89,12 +91,12 @@ fn sides(corners: &Corners) -> impl Iterator<Item = [usize; 2]> + use<> {
     (0..n).map(move |i| [corners[i], corners[(i + 1) % n]])
 }
 
-/// State of a search: the position of the moved triangle, and the quadrilateral that its last step leaves behind.
+/// State of a search: the moved triangle, and the quadrilateral `behind` that the last step of the triangle creates.
 struct Stop {
     triangle: [usize; 3],
     before: usize,
     steps: usize,
-    /// The element into which the triangle moved.
+    /// The element into which the triangle moved in the last step.
     into: usize,
     behind: Corners,
 }
@@ -131,7 +133,8 @@ impl Ord for Next {
 }
 
 impl Search<'_> {
-    /// The best triangle to merge with, and (element, new corners) along the path, including the element `start`.
+    /// The best triangle to merge with the triangle `start`, and (element, new corners) for each element along the
+    /// path, including `start`.
     fn run(&self, start: usize) -> Option<(usize, Vec<(usize, Corners)>)> {
         let [a, b, c, _] = self.elements[start];
         let mut stops = vec![Stop { triangle: [a, b, c], before: NONE, steps: 0, into: start, behind: [NONE; 4] }];
@@ -158,7 +161,7 @@ impl Search<'_> {
                 let other = self.elements[n];
                 let m = count(&other);
                 let first = (0..m).find(|&k| other[k] == q).expect("the side is the element's");
-                // Corners of the polygon of both elements, beginning with the triangle's apex.
+                // Corners of the polygon that both elements form, beginning with the apex of the triangle.
                 let mut ring = vec![apex, p];
                 ring.extend((2..m).map(|k| other[(first + k) % m]));
                 ring.push(q);
@@ -194,7 +197,8 @@ impl Search<'_> {
         let (_, mut at, end, mut made) = best?;
         let mut changed = Vec::new();
         while at != NONE {
-            // The new last element replaces the one into which the last step moved, and so on back along the path.
+            // The last new quadrilateral replaces the element into which the last step moved. The steps before follow,
+            // back to `start`.
             changed.push((stops[at].into, made));
             made = stops[at].behind;
             at = stops[at].before;
@@ -202,7 +206,7 @@ impl Search<'_> {
         Some((end, changed))
     }
 
-    /// Quality of an element. At a corner between two chords of arcs, the angle between the arcs counts.
+    /// Quality of an element. At a corner between chords of two arcs, the angle between the arcs counts.
     fn shape(&self, corners: &Corners) -> f64 {
         let n = count(corners);
         let mut least = quality(corners, |node| self.points[node]);
@@ -224,7 +228,7 @@ impl Search<'_> {
         distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
     }
 
-    /// Whether the path to a stop has used an element.
+    /// Whether the path of the search to the stop `at` has passed through `element`.
     fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
         while at != NONE {
             if stops[at].into == element {

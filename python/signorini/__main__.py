@@ -1,4 +1,4 @@
-"""Run the command line by ``python -m signorini``."""
+"""Run the command line when the package is started by ``python -m signorini``."""
 
 from signorini_command import main
 

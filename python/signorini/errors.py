@@ -9,19 +9,19 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 Place = tuple[str | int, ...]
-"""Path in the model: keys, and positions in lists counted from 0."""
+"""Path of a value in the model: keys, and list indices from 0, such as ``("support", 1, "stiffness")``."""
 
 _PLACING: ContextVar[Callable[[Place], Place]] = ContextVar("placing", default=lambda place: place)
 _MAX_PROBLEMS = 20
-"""Problems that one message lists."""
+"""Largest number of problems that one message lists."""
 _MAX_NAMES = 30
-"""Names that a message lists completely; an expression has 26 functions."""
+"""Largest number of names that a message lists completely; the 26 functions of an expression fit."""
 _EXAMPLES = 8
-"""Names that a message lists as examples, of more than `_MAX_NAMES`."""
+"""Number of names listed as examples if there are more than `_MAX_NAMES`."""
 _COMPARED = 60
-"""Characters of an unknown name that are compared with the known names."""
+"""Number of characters of an unknown name that are compared with the known names."""
 _DIGITS = 15
-"""Decimal digits of a double."""
+"""Number of decimal digits that a double holds."""
 
 
 class SignoriniError(Exception):
@@ -63,17 +63,17 @@ class InputError(SignoriniError, ValueError):
         self._parts: tuple[InputError, ...] = ()
 
     def __str__(self) -> str:
-        """Return the place and the message."""
+        """Return the text "place: message"."""
         return f"{self.place}: {self.message}" if self.place else self.message
 
     @property
     def parts(self) -> tuple[InputError, ...]:
-        """The single problems."""
+        """The single problems of a combined error; otherwise the error itself."""
         return self._parts or (self,)
 
     @classmethod
     def combined(cls, problems: Sequence[InputError], source: str = "", omitted: int = 0) -> InputError:
-        """Combine problems of a source, such as a file, to one error; ``omitted`` counts further problems."""
+        """Combine problems of a source, such as a file, into one error; ``omitted`` counts problems left out."""
         parts = tuple(part for problem in problems for part in problem.parts)
         count = len(parts) + omitted
         if count == 1:
@@ -85,9 +85,10 @@ class InputError(SignoriniError, ValueError):
 
 
 class Problems:
-    """Collects input errors, so that one error reports all problems.
+    """Collects input errors and raises them as one error that reports all problems.
 
-    Each place keeps its first problem: later ones are consequences. Problems without a place get the place "plate".
+    Only the first problem at each place is kept, because later problems there follow from the first. Problems without a
+    place get the place "plate".
     """
 
     def __init__(self) -> None:
@@ -95,7 +96,7 @@ class Problems:
 
     @contextmanager
     def collected(self) -> Iterator[None]:
-        """Context that collects an InputError raised within it."""
+        """Context that collects an InputError raised within the context."""
         try:
             yield
         except InputError as error:
@@ -110,24 +111,24 @@ class Problems:
 
 
 class UnknownNameError(InputError, KeyError):
-    """A mapping has no item of this name."""
+    """Raised if a mapping, such as the results by combination, has no item of the given name."""
 
 
 class NoEquilibriumError(SignoriniError):
-    """The supports cannot hold the load: no admissible reactions balance it."""
+    """Raised if the supports cannot hold the load: no reactions of the allowed signs and sizes balance it."""
 
     exit_code = 3
 
 
 class NotCertifiedError(SignoriniError):
-    """No method gave a solution that passes the certificate."""
+    """Raised if no method gives a solution that passes the certificate."""
 
     exit_code = 4
 
 
 @contextmanager
 def placing(to_whole: Callable[[Place], Place]) -> Iterator[None]:
-    """Context that converts places in a part of a model to places in the whole model."""
+    """Context in which `format_place` converts paths in a part of a model by ``to_whole`` to paths in the whole."""
     token = _PLACING.set(to_whole)
     try:
         yield
@@ -136,13 +137,13 @@ def placing(to_whole: Callable[[Place], Place]) -> Iterator[None]:
 
 
 def format_place(path: Place) -> str:
-    """Write a path in the model as text; positions count from 1."""
+    """Write a path in the model as text, such as ``support[2].stiffness``; list positions count from 1."""
     placed = _PLACING.get()(path)
     return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in placed).removeprefix(".")
 
 
 def point(coordinates: Iterable[float], size: float = 0.0) -> str:
-    """Write a point [x, y]; see `length` for ``size``.
+    """Write a point as "[x, y]"; see `length` for ``size``.
 
     Examples
     --------
@@ -154,7 +155,7 @@ def point(coordinates: Iterable[float], size: float = 0.0) -> str:
 
 
 def length(value: float, size: float = 0.0) -> str:
-    """Write a length to 6 digits; with a ``size``, such as the plate's, rounded to 1e-9 of it.
+    """Write a length with 6 digits, or more if it is large; first round it to 1e-9 ``size``, if there is a size.
 
     Examples
     --------
@@ -164,7 +165,8 @@ def length(value: float, size: float = 0.0) -> str:
     ('4500012.3457', '4500012.346')
     """
     rounded = round(float(value) / size, 9) * size if size else float(value)
-    # A coordinate of at least 10 sizes, or 1000 without a size, needs more digits to be distinct from its neighbours.
+    # A coordinate of at least 10 times the size, or 1000 without a size, needs more digits to differ from close
+    # coordinates.
     ratio = abs(rounded) / (10.0 * size or 1000.0)
     extra = 1 + math.floor(math.log10(ratio)) if math.isfinite(ratio) and ratio >= 1.0 else 0
     return f"{rounded + 0.0:.{min(6 + extra, _DIGITS)}g}"

@@ -1,13 +1,14 @@
-//! Memory for f64 numbers, zeroed when it is allocated, with checked allocation.
+//! Arrays of f64 numbers that are zeroed when they are allocated; a failed allocation is an error, not a panic.
 
 use super::error::FactorError;
 use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
-/// Smallest size in bytes of an allocation from the system, which zeros pages at first access. Smaller buffers come
-/// from the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94 s).
+/// Smallest buffer, in bytes, that is allocated by the operating system, which zeros pages at first access. Smaller
+/// buffers come from the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94
+/// s).
 ///
-/// Huge pages were tried: on a virtual machine that returns free pages to its host they take longer to obtain.
+/// Huge pages were tried. On a virtual machine that returns free pages to its host, they take longer to obtain.
 const LARGE: usize = 1 << 25;
 
 /// An array of numbers, initially zeros.

@@ -1,13 +1,13 @@
-//! Entries of right-hand sides: a number per row, or `LANES` numbers per row for several right-hand sides.
+//! Entries of right-hand sides: one number per row, or `LANES` numbers per row for several right-hand sides.
 
 use super::layout::{PANEL, ROWS};
 use pulp::{Arch, Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// Number of right-hand sides that are solved together.
+/// Number of right-hand sides that are solved together, one in each SIMD lane.
 pub const LANES: usize = 8;
 
-/// One row of the right-hand sides.
+/// The entries of one row in all right-hand sides that are solved together.
 pub(super) trait Entry: Copy + Send + Sync {
     const ZERO: Self;
 
@@ -17,10 +17,10 @@ pub(super) trait Entry: Copy + Send + Sync {
 
     fn is_zero(&self) -> bool;
 
-    /// vector ← (L₁⁻¹v₁, v₂ − L₂L₁⁻¹v₁) for `count` columns (L₁, L₂) of a supernode.
+    /// Forward substitution with `count` columns (L₁, L₂) of a supernode: vector ← (L₁⁻¹v₁, v₂ − L₂L₁⁻¹v₁).
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]);
 
-    /// v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂) for `count` columns (L₁, L₂) of a supernode.
+    /// Backward substitution with `count` columns (L₁, L₂) of a supernode: v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂).
     fn substitute(columns: &[f64], count: usize, vector: &mut [Self]);
 }
 
@@ -48,7 +48,7 @@ impl Entry for f64 {
     }
 }
 
-/// One row of `LANES` right-hand sides. Each lane is computed independently: its bits do not depend on other lanes.
+/// The entries of one row in `LANES` right-hand sides. The bits of a lane do not depend on other lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
@@ -77,7 +77,7 @@ impl Entry for Lanes {
     }
 }
 
-/// Arguments of a kernel: `count` columns of a supernode, as `layout` stores them, and a vector.
+/// Arguments of a [`Kernel`]: `count` columns of a supernode, stored as in `layout`, and a vector.
 struct Run<'a, E, K> {
     columns: &'a [f64],
     count: usize,
@@ -85,7 +85,7 @@ struct Run<'a, E, K> {
     kernel: PhantomData<K>,
 }
 
-/// A kernel in which N registers hold eight numbers. Called with a constant `count`, it is compiled for that count.
+/// An inner loop in which N registers hold eight numbers. If `count` is a constant, the loop is compiled for it.
 trait Kernel<E> {
     fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
 }
@@ -225,7 +225,7 @@ impl Kernel<Lanes> for Substitute {
     }
 }
 
-/// Number of columns whose entries of x stay in registers.
+/// Number of columns of a panel that are processed together; their entries of x stay in registers.
 const HALF: usize = PANEL / 2;
 
 impl Kernel<f64> for Eliminate {
@@ -287,10 +287,10 @@ impl Kernel<f64> for Substitute {
     }
 }
 
-/// Product of each column with the part of the vector in full blocks of `ROWS` rows.
+/// Product of each of `count` columns with the vector, over the full blocks of `ROWS` rows.
 ///
-/// The last block comes first, since backward substitution starts at the last column: read in one direction, L comes
-/// from memory half as fast again. The sums are separate variables, since arrays in loops are kept in memory.
+/// The last block comes first, since backward substitution starts at the last column. Read in one direction, L comes
+/// from memory 1.5 times as fast. The sums are separate variables, since the compiler would keep an array in memory.
 #[inline(always)]
 fn products<S: Simd, const N: usize>(simd: S, blocks: &[f64], count: usize, vector: &[f64]) -> [f64; PANEL] {
     let blocks = || blocks.chunks_exact(ROWS * count).zip(vector.chunks_exact(ROWS));

@@ -1,16 +1,18 @@
-//! Errors of the factorization.
+//! The error type of the factorization.
 
 use crate::dense;
 
-/// Errors of the factorization.
+/// Reasons why a factorization fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorError {
-    /// The pivot of this column is not positive, or not negative although [`is_negative`](super::Matrix::is_negative)
-    /// is true. The structure is a mechanism, or the matrix is singular to working precision.
+    /// The pivot of this column does not have the expected sign: negative where
+    /// [`is_negative`](super::Matrix::is_negative) is true, otherwise positive. The structure is a mechanism, or the
+    /// matrix is singular to working precision.
     NotPositiveDefinite { column: usize },
     /// The factor does not fit into memory.
     OutOfMemory,
-    /// The factorization takes more bytes than `room`; determined from the pattern, before any number is computed.
+    /// The factorization takes `bytes` of memory, more than `room`. This is determined from the pattern, before any
+    /// number is computed.
     TooLarge { bytes: usize, room: usize },
 }
 

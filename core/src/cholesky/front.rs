@@ -1,7 +1,7 @@
 //! Dense elimination of the first columns of a symmetric matrix, which is stored as its lower triangle.
 //!
-//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. If all signs of a block of columns are positive, its products
-//! omit S.
+//! The pivots have given signs S, 1 or −1: A = L S Lᵀ. If all signs of a block of columns are 1, S is left out of the
+//! block's products.
 
 use crate::vectorized::vectorized;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -12,27 +12,27 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Number of columns eliminated before the remaining columns are updated.
+/// Number of columns that are eliminated before the columns after them are updated.
 const BLOCK: usize = 64;
 /// Number of columns that a thread updates at a time. It is fixed, so that the bits do not depend on the number of
 /// threads.
 pub(super) const TILE: usize = 128;
-/// Number of rows below a block that a thread solves at a time.
+/// Number of rows below a block of columns for which a thread solves at a time.
 const ROWS: usize = 256;
-/// Number of columns of L in one update.
+/// Number of columns of L in one matrix product of an update.
 const DEPTH: usize = 256;
-/// Smallest number of rows below a tile for which its rows of L are copied contiguously. In place, neighbours in a row
-/// are pages apart, and the product reads each row many times.
+/// Smallest number of rows below a tile for which the tile's rows of L are copied to contiguous memory. Otherwise
+/// neighbours in a row are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
-/// Workspace of the dense elimination.
+/// Allocates the workspace of the dense elimination; `None` if there is not enough memory.
 pub(super) fn scratch() -> Option<MemBuffer> {
     MemBuffer::try_new(cholesky_in_place_scratch::<f64>(BLOCK, Par::Seq, Default::default())).ok()
 }
 
 /// Overwrites the lower trapezoid of `panel`, (height, width) by columns, with L.
 ///
-/// Fails with the first column whose pivot does not have the sign given in `signs`.
+/// Returns the first column whose pivot does not have the sign given in `signs`, as an error.
 pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch: &mut MemBuffer) -> Result<(), usize> {
     let width = panel.len() / height;
     for first in (0..width).step_by(BLOCK) {
@@ -57,7 +57,7 @@ pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch
         tail.par_row_chunks_mut(ROWS)
             .for_each(|rows| solve_lower_triangular_in_place(head, rows.transpose_mut(), Par::Seq));
         if signed {
-            // The solution of the triangular system is L₂S.
+            // The triangular solve gives L₂S. Changing signs of its columns gives L₂.
             for (column, _) in done.chunks_exact_mut(height).zip(signs).filter(|&(_, &sign)| sign < 0.0) {
                 column[first + count..].iter_mut().for_each(|value| *value = -*value);
             }
@@ -74,9 +74,10 @@ fn has_negative(signs: &[f64]) -> bool {
     signs.iter().any(|&sign| sign < 0.0)
 }
 
-/// Overwrites the lower triangle of a square block, whose columns are `height` apart, with L, column by column.
+/// Overwrites the lower triangle of a square block with L, column by column. Columns of the block are `height` numbers
+/// apart.
 ///
-/// Fails with the first column whose pivot does not have the sign given in `signs`.
+/// Returns the first column whose pivot does not have the sign given in `signs`, as an error.
 fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(), usize> {
     let count = signs.len();
     vectorized(
@@ -102,8 +103,8 @@ fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(
     )
 }
 
-/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ in the storage of `merge`; L₂ are the rows of L below its first
-/// `width`.
+/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ, stored as in `merge`. L₂ has the rows of L below the first `width`
+/// rows, `width` being the number of columns of L.
 pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
@@ -117,8 +118,8 @@ pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest
         .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Subtracts L S Lᵀ from columns of a symmetric matrix. They begin at column `from` and are stored without their first
-/// `skipped` rows.
+/// Subtracts L S Lᵀ from `columns` of a symmetric matrix. The first of these is column `from` of the matrix; the first
+/// `skipped` rows are not stored.
 fn subtract_square(
     l: &[f64],
     height: usize,
@@ -157,9 +158,10 @@ fn subtract_square(
     }
 }
 
-/// Overwrites `rows` with `count` rows, from row `from` on, of columns of length `height`; each row is contiguous.
+/// Overwrites `rows` with `count` rows of a matrix whose columns have length `height`, from row `from` on. Each copied
+/// row is contiguous.
 fn copy_rows(columns: &[f64], height: usize, from: usize, count: usize, rows: &mut Vec<f64>) {
-    /// Number of columns copied together: a cache line holds their entries of a row.
+    /// Number of columns that are copied together: one row of them fills a cache line.
     const FEW: usize = 8;
     let width = columns.len() / height;
     rows.resize(width * count, 0.0);
@@ -197,7 +199,7 @@ mod tests {
         (0..WIDTH).map(|k| if is_negative(k) { -1.0 } else { 1.0 }).collect()
     }
 
-    /// Some tiles are tall, some are not, and the update takes two steps of `DEPTH` columns.
+    /// A large front: some tiles are tall enough for copied rows, and an update takes two products of `DEPTH` columns.
     #[test]
     fn a_large_front_is_that_of_its_products() {
         for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {

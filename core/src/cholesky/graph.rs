@@ -1,20 +1,22 @@
-//! The graph of a matrix, with columns of equal pattern merged into blocks, and its elimination tree.
+//! The graph of a matrix, in which columns of equal pattern form a block, and the elimination tree of the blocks.
 
-/// Index that means "none", such as the parent of a root.
+/// Index that means "none", for example as the parent of a root.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Graph whose vertices are blocks: consecutive columns with the same pattern, such as the dofs of a node.
+/// Graph of a symmetric matrix. Each vertex is a block: consecutive columns with the same pattern, such as the dofs of
+/// a node.
 pub struct Graph {
-    /// First column of each block, and the number of columns at the end.
+    /// First column of each block, followed by the number of columns.
     pub(super) first: Vec<usize>,
-    /// Index in `below` of each block's first neighbour.
+    /// For each block, the index in `below` of its first neighbour.
     start: Vec<usize>,
+    /// Neighbours of every block that come after it, block by block.
     below: Vec<u32>,
 }
 
 impl Graph {
-    /// Makes the graph. `first` has the first column of each block and, at the end, the number of columns. `rows`
-    /// appends the rows of a block's first column; rows above it are allowed.
+    /// Makes the graph. `first` has the first column of each block, followed by the number of columns. `rows(c, list)`
+    /// appends the rows of column c, the first column of a block, to the list; rows above the diagonal are ignored.
     pub fn new(first: Vec<usize>, mut rows: impl FnMut(usize, &mut Vec<usize>)) -> Self {
         let count = first.len() - 1;
         let mut block_of = vec![0; first[count]];
@@ -44,12 +46,12 @@ impl Graph {
         self.first.len() - 1
     }
 
-    /// Number of columns in a block.
+    /// Number of columns in `block`.
     pub(super) fn weight(&self, block: usize) -> usize {
         self.first[block + 1] - self.first[block]
     }
 
-    /// Neighbours of a block that are eliminated after it.
+    /// Neighbours of `block` that are eliminated after this block.
     pub(super) fn below(&self, block: usize) -> &[u32] {
         &self.below[self.start[block]..self.start[block + 1]]
     }
@@ -73,7 +75,8 @@ impl Graph {
         (start, above)
     }
 
-    /// Parent of each block in the elimination tree (Liu 1990), and the number of rows of L below each block.
+    /// Parent of each block in the elimination tree (Liu 1990), and number of rows of L below the columns of each
+    /// block.
     pub(super) fn elimination_tree(&self) -> (Vec<u32>, Vec<usize>) {
         let (start, above) = self.transposed();
         let mut parent = vec![NONE; self.len()];

@@ -1,25 +1,27 @@
-//! Storage of a supernode's columns of L in one array: panels of up to `PANEL` columns, without the rows above them.
+//! Storage of a supernode's columns of L in one array: panels of up to `PANEL` columns, each without the rows above its
+//! first pivot.
 //!
-//! A panel has the rows of its pivots first, then the rows below in blocks of `ROWS`; each block is stored by columns.
+//! A panel has the rows of its pivots first, then the rows below them in blocks of `ROWS` rows. Each block is stored
+//! column by column.
 
-/// Number of columns in a panel.
+/// Largest number of columns in a panel.
 pub(super) const PANEL: usize = 8;
-/// Number of rows in a block.
+/// Largest number of rows in a block of a panel.
 pub(super) const ROWS: usize = 8;
 
-/// A panel: `count` columns of a supernode.
+/// A panel: `count` consecutive columns of a supernode.
 pub(super) struct Panel {
-    /// First column, relative to the supernode; it is also the first stored row.
+    /// First column of the panel, relative to the supernode. The first stored row has the same index.
     pub(super) first: usize,
     pub(super) count: usize,
-    /// Number of stored rows.
+    /// Number of stored rows of the panel.
     pub(super) height: usize,
-    /// Index of the panel's first number among the numbers of the supernode.
+    /// Index of the panel's first value in the array of the supernode.
     pub(super) at: usize,
 }
 
 impl Panel {
-    /// Copies column `k` of the panel, from its pivot down, out of the panel's numbers.
+    /// Copies column `k` of the panel, from its pivot down, from `numbers` (the values of the panel) to `to`.
     pub(super) fn column(&self, numbers: &[f64], k: usize, to: &mut Vec<f64>) {
         to.clear();
         let (own, below) = numbers.split_at(self.count * self.count);
@@ -31,7 +33,7 @@ impl Panel {
     }
 }
 
-/// The panels of a supernode with `width` columns and `height` rows.
+/// Divides a supernode with `width` columns and `height` rows into panels.
 pub(super) fn panels(width: usize, height: usize) -> impl DoubleEndedIterator<Item = Panel> {
     (0..width).step_by(PANEL).map(move |first| Panel {
         first,
@@ -43,12 +45,12 @@ pub(super) fn panels(width: usize, height: usize) -> impl DoubleEndedIterator<It
     })
 }
 
-/// Number of f64 values stored for a supernode.
+/// Number of f64 values that are stored for a supernode with `width` columns and `height` rows.
 pub(super) fn size(width: usize, height: usize) -> usize {
     panels(width, height).next_back().map_or(0, |last| last.at + last.count * last.height)
 }
 
-/// Appends a supernode's columns, each `height` long, as panels.
+/// Appends the columns of a supernode, each of length `height`, to `to` in the storage by panels.
 pub(super) fn store(columns: &[f64], height: usize, to: &mut Vec<f64>) {
     let width = columns.len() / height;
     for panel in panels(width, height) {

@@ -1,42 +1,46 @@
-//! Assembly of the update matrices of children into the front of their parent (Duff & Reid 1983).
+//! Adds the update matrices of children to the front of their parent, the dense matrix in which the parent's columns
+//! are eliminated (Duff & Reid 1983).
 
 use super::front::TILE;
 use crate::vectorized::vectorized;
 use std::ops::Range;
 
-/// Rows that are consecutive in both the child (from `from`) and the parent (from `to`).
+/// Consecutive rows of a child's update matrix, from row `from` on, that are consecutive in the parent too, from row
+/// `to` on.
 pub(super) struct Run {
     from: usize,
     to: usize,
     len: usize,
 }
 
-/// Number of entries of a lower triangle that is stored by panels of `TILE` columns, without the rows above each panel.
+/// Number of entries of a lower triangle that is stored by tiles of `TILE` columns, without the rows above each tile.
 pub(super) fn triangle(order: usize) -> usize {
     (0..order).step_by(TILE).map(|first| TILE.min(order - first) * (order - first)).sum()
 }
 
-/// Index at which column `at` begins in the storage of [`triangle`], and the first stored row of this column.
+/// Index at which column `at` begins in the storage of [`triangle`], and the first stored row of the column.
 fn column(at: usize, order: usize) -> (usize, usize) {
     let first = at - at % TILE;
-    // All previous tiles have TILE columns; the columns of each tile are TILE shorter than those of the previous one.
+    // All previous tiles have `TILE` columns, and the columns of each are `TILE` shorter than those of the tile before
+    // it.
     let tile = first * order - first * (first - TILE.min(first)) / 2;
     (tile + (at - first) * (order - first), first)
 }
 
-/// The update matrix of a child, a lower triangle stored by columns, and the positions of its rows in the parent.
+/// The update matrix of a child, a lower triangle stored by tiles of columns, and the positions of its rows in the
+/// parent.
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,
-    /// Indices of its runs in the list of all children's runs. The first `eliminated` runs are columns that the parent
-    /// eliminates.
+    /// Indices of the child's runs in the list of all children's runs. The columns of the first `eliminated` runs are
+    /// eliminated by the parent.
     runs: Range<usize>,
     eliminated: usize,
 }
 
 impl<'a> Child<'a> {
-    /// Makes the child from its rows; `local` maps them to rows of the parent, which eliminates its first `width`
-    /// columns.
+    /// Makes the child from the postorder indices `rows` of its update matrix. `local` maps them to rows of the parent,
+    /// which eliminates its first `width` columns.
     pub(super) fn new(values: &'a [f64], rows: &[u32], local: &[u32], width: usize, runs: &mut Vec<Run>) -> Self {
         let start = runs.len();
         let mut eliminated = 0;
@@ -53,13 +57,13 @@ impl<'a> Child<'a> {
         Self { values, order: rows.len(), runs: start..runs.len(), eliminated }
     }
 
-    /// Adds to the parent's panel the columns that the parent eliminates.
+    /// Adds the columns that the parent eliminates to the parent's panel.
     pub(super) fn add_to_panel(&self, runs: &[Run], panel: &mut [f64], height: usize) {
         self.add(&runs[self.runs.clone()], 0..self.eliminated, panel, 0, |at| (at * height, 0));
     }
 
-    /// Adds the remaining columns to the parent's update matrix, whose rows follow the first `width` rows of the
-    /// parent.
+    /// Adds the columns that the parent does not eliminate to the parent's update matrix, whose rows follow the first
+    /// `width` rows of the parent.
     pub(super) fn add_to_rest(&self, runs: &[Run], rest: &mut [f64], height: usize, width: usize) {
         let columns = self.eliminated..self.runs.len();
         self.add(&runs[self.runs.clone()], columns, rest, width, |at| column(at, height - width));

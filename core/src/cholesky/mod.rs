@@ -1,5 +1,5 @@
-//! Sparse Cholesky factorization by the multifrontal method: supernodes of the elimination tree, eliminated with
-//! `faer`'s dense kernels; substitution, and the trailing block of the factor.
+//! Sparse Cholesky factorization by the multifrontal method. Supernodes of the elimination tree are eliminated with the
+//! dense kernels of `faer`. Also forward and backward substitution, and the trailing block of the factor.
 //!
 //! The matrix is positive definite, or its pivots have known signs: A = L S Lᵀ, S diagonal with entries 1 and −1. A
 //! quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, has this factor in every order of its columns
@@ -34,10 +34,10 @@ use std::sync::Arc;
 use substitution::Schedule;
 use tree::Tree;
 
-/// Smallest work, in nanoseconds, of a subtree that is divided among threads.
+/// Smallest estimated time, in nanoseconds, for which a subtree is divided among threads.
 const LEAST: f64 = 3e5;
 
-/// The pattern of L, and the plans for the factorization and the substitution.
+/// The pattern of L, and plans for the factorization and for the substitution.
 #[derive(Clone)]
 pub struct Analysis(Arc<Pattern>);
 
@@ -49,7 +49,7 @@ struct Pattern {
 }
 
 impl Analysis {
-    /// Analyses the pattern of a matrix. Returns `OutOfMemory` if 32 bits cannot number the columns.
+    /// Analyses the pattern of a matrix. Returns `OutOfMemory` if 32 bits cannot number its columns.
     pub fn new(matrix: &impl Matrix) -> Result<Self, FactorError> {
         let tree = Tree::new(&matrix.graph())?;
         let parts = Parts::new(&tree.parent, &tree.work(), LEAST);
@@ -64,8 +64,8 @@ impl Analysis {
         if bytes <= room { Ok(()) } else { Err(FactorError::TooLarge { bytes, room }) }
     }
 
-    /// A = L S Lᵀ on all threads, with the signs S that the matrix gives. The bits do not depend on the number of
-    /// threads.
+    /// Factors A = L S Lᵀ on all threads, with the signs S that the matrix gives. The bits do not depend on the number
+    /// of threads.
     pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;
         let (values, weakest_pivot) = numeric::factorize(tree, parts, plan, matrix)?;
@@ -74,12 +74,13 @@ impl Analysis {
     }
 }
 
-/// A = L S Lᵀ with the columns in the given order; S = 1 if all pivots are positive.
+/// Factor A = L S Lᵀ of a matrix whose columns are in elimination order; S is diagonal with entries ±1, the signs of the
+/// pivots.
 pub struct Factor {
     pattern: Arc<Pattern>,
-    /// The numbers of L, by part.
+    /// Entries of L, one array for each part of the elimination tree.
     values: Vec<Vec<f64>>,
-    /// Columns where S is −1.
+    /// Columns whose sign in S is −1.
     negative: Vec<u32>,
     weakest_pivot: WeakestPivot,
 }
@@ -93,10 +94,10 @@ impl Factor {
         self.len() == 0
     }
 
-    /// The column with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
+    /// The column with the smallest ratio |pivot|/|diagonal entry of A|, and this ratio.
     ///
-    /// A ratio near the unit roundoff means that the matrix is singular to working precision. After columns of the
-    /// other sign, a pivot may exceed its diagonal entry; the ratio then does not show the cancellation.
+    /// A ratio near the unit roundoff means that the matrix is singular to working precision. If earlier columns have
+    /// the other sign, a pivot may exceed its diagonal entry; the ratio then does not show cancellation.
     pub fn weakest_pivot(&self) -> WeakestPivot {
         self.weakest_pivot
     }
@@ -106,15 +107,16 @@ impl Factor {
         self.pattern.plan.entries()
     }
 
-    /// Number of multiplications and additions of the factorization; zeros that are stored for speed are not counted.
+    /// Number of multiplications and additions of the factorization, without operations on zeros that are stored for
+    /// speed.
     pub fn flops(&self) -> f64 {
         self.pattern.tree.flops
     }
 
-    /// Overwrites each vector in `rhs` (one vector, or several one after the other) with S L⁻¹ times it; S = 1 if all
-    /// pivots are positive. [`backward`](Self::backward) then gives A⁻¹ times the original vector.
+    /// Overwrites each vector v in `rhs` with S L⁻¹ v; S = 1 if all pivots are positive. `rhs` has one vector, or
+    /// several one after the other. [`backward`](Self::backward) then gives A⁻¹ v.
     ///
-    /// If there are several vectors, the bits of each do not depend on the others.
+    /// If there are several vectors, the bits of each result do not depend on the other vectors.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_forward(lanes));
@@ -123,7 +125,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites each vector in `rhs` (one vector, or several one after the other) with L⁻ᵀ times it.
+    /// Overwrites each vector v in `rhs` with L⁻ᵀ v. `rhs` has one vector, or several one after the other.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_backward(lanes));
@@ -132,8 +134,8 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites each of several vectors, one after the other, with A⁻¹ times it. The bits of each vector do not
-    /// depend on the others or on their number.
+    /// Overwrites each vector v in `rhs` with A⁻¹ v; the vectors are one after the other. The bits of a result do not
+    /// depend on the other vectors or on their number.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
             self.run_forward(lanes);
@@ -170,9 +172,9 @@ impl Factor {
         Ok(())
     }
 
-    /// The last `size` rows and columns of L: a factor of the Schur complement of the columns before.
+    /// The last `size` rows and columns of L. They factor the Schur complement of the columns before them.
     ///
-    /// The Schur complement is L S Lᵀ with this block as L and the signs S of the last columns.
+    /// The Schur complement is L S Lᵀ, with this block as L and the signs S of the last `size` columns.
     pub fn trailing_block(&self, size: usize) -> Result<Mat<f64>, FactorError> {
         let Pattern { tree, parts, .. } = &*self.pattern;
         let first = self.len() - size;

@@ -11,18 +11,21 @@ use super::{front, layout};
 use faer::dyn_stack::MemBuffer;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Sizes of the factor and of its workspace, determined from the pattern; numbers of f64 where no unit is given.
+/// Sizes of the factor and of its workspace, determined from the pattern. A size without unit is a number of f64
+/// values.
 pub(super) struct Plan {
-    /// Number of entries of L in each part.
+    /// Number of entries of L in each part of the elimination tree.
     entries: Vec<usize>,
-    /// Number of entries in the update matrices of each part's roots.
+    /// For each part, the number of entries in the update matrices of its roots.
     left: Vec<usize>,
-    /// Largest sizes of each part's two stacks of update matrices, for supernodes of even and of odd depth.
+    /// For each part, the largest sizes of its two stacks of update matrices: one for supernodes of even depth, one for
+    /// supernodes of odd depth.
     ///
-    /// When a supernode pushes its update matrix on one stack, the matrices of its children are on top of the other.
+    /// A supernode pushes its update matrix on one stack while the matrices of its children are on top of the other
+    /// stack.
     stacks: Vec<[usize; 2]>,
     odd: Vec<bool>,
-    /// Size of the largest panel in each part, including its upper triangle.
+    /// For each part, the size of its largest panel, including the upper triangle of the panel.
     panels: Vec<usize>,
 }
 
@@ -59,8 +62,8 @@ impl Plan {
 
     /// Peak memory in bytes: L, update matrices that wait for their parents, and the workspace of each thread.
     pub(super) fn bytes(&self, parts: &Parts, threads: usize) -> usize {
-        // Largest size of waiting update matrices below each part: if all parts wait at once, and if one thread works
-        // in order.
+        // Largest size of the update matrices that wait below each part: `all` if all parts run at once, `ordered` if
+        // one thread runs the parts in order.
         let (mut all, mut ordered) = (vec![0; self.left.len()], vec![0; self.left.len()]);
         let (mut at_roots, mut most_ordered) = (0, 0);
         for (index, part) in parts.0.iter().enumerate() {
@@ -83,31 +86,31 @@ impl Plan {
         size_of::<f64>() * (self.entries() + waiting + threads * workspace)
     }
 
-    /// Number of stored entries of the factor L.
+    /// Number of entries of L that are stored.
     pub(super) fn entries(&self) -> usize {
         self.entries.iter().sum()
     }
 }
 
-/// Number of entries in the update matrix of a supernode.
+/// Number of entries in the update matrix of supernode `s`.
 fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
 
-/// A column, and the ratio |pivot|/|diagonal entry| in it.
+/// The column with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
 pub(super) type WeakestPivot = (usize, f64);
 
 const NO_PIVOT: WeakestPivot = (0, f64::INFINITY);
 
-/// The pair with the smaller ratio; if the ratios are equal, the pair with the first column.
+/// The pair with the smaller ratio. If the ratios are equal, the pair with the earlier column.
 fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
     if one.1 < other.1 || (one.1 == other.1 && one.0 <= other.0) { one } else { other }
 }
 
-/// The numbers of L by part, and the weakest pivot.
+/// The entries of L, one array for each part, and the weakest pivot.
 ///
-/// Fails with a column whose pivot does not have the sign that the matrix gives: the smallest of the columns at which
-/// parts fail.
+/// Returns an error if a pivot does not have the sign that the matrix gives. If this occurs in several parts, the error
+/// names the earliest column.
 pub(super) fn factorize(
     tree: &Tree,
     parts: &Parts,
@@ -143,7 +146,8 @@ pub(super) fn factorize(
     failed.map_or(Ok((all, weakest)), Err)
 }
 
-/// The more severe of two errors; of two columns that fail, the first. The result does not depend on which error occurred first.
+/// The more severe of two errors; if both are columns with a wrong pivot, the earlier column. The result does not
+/// depend on which error occurred first.
 fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
     match (one, other) {
         (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {
@@ -158,24 +162,24 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A part after elimination: its numbers of L and its weakest pivot.
+/// Result of the elimination of a part: the part's entries of L, and its weakest pivot.
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// Update matrices of the part's roots.
+    /// Update matrices of the part's roots, which wait for their parents, one after the other.
     left: Buffer,
 }
 
-/// Workspace of one thread.
+/// Workspace that one thread uses for the elimination.
 struct Workspace<'a> {
     read: Reader<'a>,
     /// Entries (row, value) of the column that was read last.
     entries: Vec<(usize, f64)>,
-    /// Diagonal entries of the matrix in the current supernode.
+    /// Diagonal entries of the matrix in the columns of the current supernode.
     diagonal: Vec<f64>,
-    /// Signs of the pivots in the current supernode.
+    /// Signs of the pivots in the columns of the current supernode.
     signs: Vec<f64>,
-    /// Row in the current supernode for each postorder index.
+    /// For each postorder index, its row in the current supernode.
     local: Vec<u32>,
     scratch: MemBuffer,
     runs: Vec<Run>,
@@ -187,7 +191,7 @@ struct Job<'a> {
     plan: &'a Plan,
     matrix: &'a dyn Matrix,
     workspaces: Mutex<Vec<Workspace<'a>>>,
-    /// Buffers for reuse.
+    /// Buffers of update matrices that are no longer needed, for reuse.
     spare: Mutex<Vec<Buffer>>,
     done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
 }
@@ -212,7 +216,7 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// The smallest spare buffer that is large enough, or a new one. A spare buffer has arbitrary content.
+    /// The smallest spare buffer of at least `len` numbers, or a new buffer. A spare buffer has arbitrary content.
     fn buffer(&self, len: usize) -> Result<Buffer, FactorError> {
         if len == 0 {
             return Buffer::new(0);
@@ -222,7 +226,7 @@ impl<'a> Job<'a> {
         match fits {
             Some(at) => Ok(spare.swap_remove(at)),
             None => {
-                // Fronts grow up the tree: buffers that are too small now are no longer needed.
+                // Fronts become larger towards the root: a buffer that is too small now is no longer needed.
                 spare.clear();
                 Buffer::new(len)
             }

@@ -1,6 +1,7 @@
-//! Division of the supernodes into parts, which threads process: whole subtrees, and single supernodes above them.
+//! Division of the supernodes into parts, each run by one thread: groups of whole subtrees, and single supernodes above
+//! them.
 //!
-//! The division, and the order of sums between parts, do not depend on the number of threads.
+//! The division, and the order in which the results of parts are summed, do not depend on the number of threads.
 
 use super::graph::NONE;
 use rayon::Scope;
@@ -8,15 +9,15 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Largest work of a part relative to all work: small enough for machines with many threads.
+/// Largest work of a part relative to the work of all parts: small enough for machines with many threads.
 const PART: f64 = 1.0 / 32.0;
 
-/// A part: consecutive supernodes, with its parent and children in the tree of parts.
+/// A part: a range of consecutive supernodes, with the part's parent and children in the tree of parts.
 pub(super) struct Part {
     pub(super) supernodes: Range<usize>,
     /// Supernodes of this part whose parents are in another part.
     pub(super) roots: Vec<usize>,
-    /// The part that contains the parents of `roots`, or [`NONE`].
+    /// The part that contains the parents of `roots`; [`NONE`] if the roots have no parent.
     pub(super) parent: u32,
     /// Parts whose `parent` is this part, in order.
     pub(super) children: Vec<usize>,
@@ -25,9 +26,9 @@ pub(super) struct Part {
 pub(super) struct Parts(pub(super) Vec<Part>);
 
 impl Parts {
-    /// Divides a postordered tree; `work` is the estimated cost of each supernode.
+    /// Divides a postordered elimination tree into parts. `work` is the estimated time of each supernode.
     ///
-    /// Subtrees with less work than `least` are not divided: starting threads would cost more.
+    /// Subtrees with less work than `least` are not divided, since starting threads would cost more.
     pub(super) fn new(parent: &[u32], work: &[f64], least: f64) -> Self {
         let count = parent.len();
         let mut whole = work.to_vec();
@@ -42,7 +43,7 @@ impl Parts {
         let total: f64 = work.iter().sum();
         let limit = if total < 4.0 * least { f64::INFINITY } else { least.max(PART * total) };
         let mut parts: Vec<Part> = Vec::new();
-        // The work of the last part and the parent of its roots, if siblings may join the part.
+        // The work of the last part, and the parent of its roots. `None` if no siblings may join the part.
         let mut open: Option<(f64, u32)> = None;
         for s in 0..count {
             if whole[s] > limit {
@@ -79,7 +80,7 @@ impl Parts {
         Self(parts)
     }
 
-    /// Bottom-up pass: runs each part after its children, in parallel.
+    /// Runs `work` for each part after the children of the part, in parallel.
     pub(super) fn bottom_up(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);
@@ -98,7 +99,7 @@ impl Parts {
         });
     }
 
-    /// Top-down pass: runs each part after its parent, in parallel.
+    /// Runs `work` for each part after the parent of the part, in parallel.
     pub(super) fn top_down(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);

@@ -1,6 +1,6 @@
 //! Forward and backward substitution, parallel over the parts of the elimination tree.
 //!
-//! Its time is determined by reading L once in each direction. One core cannot use the full memory bandwidth. Several
+//! The time is that of reading L once in each direction. One core cannot use the full memory bandwidth. Several
 //! right-hand sides are solved together, so that L is read once for all of them.
 
 use super::entry::Entry;
@@ -10,32 +10,33 @@ use super::tree::Tree;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The data of each part for the substitution.
+/// For each part of the elimination tree, the data for forward and backward substitution.
 pub(super) struct Schedule(Vec<Share>);
 
-/// The data of one part: its supernodes in elimination order, and the rows that they touch.
+/// The data of one part for substitution: its supernodes in elimination order, and the rows in which their columns have
+/// entries.
 struct Share {
     supernodes: Vec<Supernode>,
-    /// Postorder indices of the part's own rows.
+    /// Postorder indices of the columns that the part eliminates.
     own: Range<usize>,
-    /// Number of rows: the part's own rows, then the rows below that belong to parts above.
+    /// Number of rows of the part: its own rows, then the rows that belong to parts above and in which it has entries.
     rows: usize,
-    /// Position in the parent part's rows of each row that belongs to a part above.
+    /// For each row that belongs to a part above, the position of this row in the rows of the parent part.
     above: Vec<u32>,
-    /// Rows below each supernode's columns, as positions in the part's rows, one supernode after the other.
+    /// The rows below each supernode's columns, as positions in the rows of the part, one supernode after the other.
     below: Vec<u32>,
-    /// Largest number of rows in a supernode.
+    /// Largest number of rows in a supernode of the part.
     tallest: usize,
 }
 
 struct Supernode {
-    /// Index of the supernode's first number in the part's L.
+    /// Index, in the part's array of entries of L, of the supernode's first entry.
     values: usize,
     columns: usize,
     height: usize,
-    /// Position of its first column in the part's rows.
+    /// Position of the supernode's first column in the rows of the part.
     first: usize,
-    /// Index in `below` of its first row.
+    /// Index in `Share::below` of the supernode's first row below its columns.
     below: usize,
 }
 
@@ -64,7 +65,7 @@ impl Schedule {
         Self(shares)
     }
 
-    /// Overwrites `rhs` with L⁻¹·rhs.
+    /// Overwrites the right-hand side `rhs` with L⁻¹ · `rhs`.
     pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
@@ -85,7 +86,7 @@ impl Schedule {
         self.put(tree, &done, rhs);
     }
 
-    /// Overwrites `rhs` with L⁻ᵀ·rhs.
+    /// Overwrites the right-hand side `rhs` with L⁻ᵀ · `rhs`.
     pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
@@ -112,8 +113,8 @@ impl Schedule {
 }
 
 impl Share {
-    /// Returns the part's data, and the postorder indices of its rows that belong to parts above. For these indices,
-    /// `local` must be `u32::MAX` and is reset to it.
+    /// Returns the data of a part with the given supernodes, and the postorder indices of its rows that belong to parts
+    /// above. At these indices `local` must be `u32::MAX` on entry and is `u32::MAX` again on return.
     fn new(tree: &Tree, supernodes: Range<usize>, local: &mut [u32]) -> (Self, Vec<u32>) {
         let own = tree.begin[supernodes.start]..tree.begin[supernodes.end];
         let mut share =
@@ -145,8 +146,8 @@ impl Share {
         (share, foreign)
     }
 
-    /// Solves for the part's own rows and adds their contributions to the rows below. Supernodes with a zero right-hand
-    /// side are skipped.
+    /// Solves for the part's own rows and adds their contributions to the rows of parts above. Supernodes with a zero
+    /// right-hand side are skipped.
     fn forward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in &self.supernodes {
@@ -169,7 +170,7 @@ impl Share {
         }
     }
 
-    /// Solves for the part's own rows, given the rows of parts above.
+    /// Solves for the part's own rows; `vector` already has the solution in the rows of parts above.
     fn backward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in self.supernodes.iter().rev() {

@@ -5,21 +5,21 @@ use super::graph::{Graph, NONE};
 
 /// The pattern of L. The postorder index of a column is its position in the order of elimination.
 pub(super) struct Tree {
-    /// Matrix column of each postorder index (`column`), and the inverse map (`place`).
+    /// Matrix column of each postorder index (`column`), and postorder index of each matrix column (`place`).
     pub(super) column: Vec<u32>,
     pub(super) place: Vec<u32>,
-    /// First postorder index of each supernode, and the number of columns at the end.
+    /// First postorder index of each supernode, followed by the number of columns.
     pub(super) begin: Vec<usize>,
-    /// Parent of each supernode, or [`NONE`]; children precede their parent.
+    /// Parent of each supernode, or [`NONE`] for a root; children precede their parent.
     pub(super) parent: Vec<u32>,
-    /// First child of each supernode, and the next child of the same parent.
+    /// First child of each supernode (`head`), and the next child of the same parent (`next`).
     head: Vec<u32>,
     next: Vec<u32>,
-    /// Index in `below` of each supernode's first row.
+    /// For each supernode, the index in `below` of its first row below its columns.
     start: Vec<usize>,
-    /// Postorder indices of the rows below each supernode's columns, ascending.
+    /// Postorder indices of the rows below each supernode's columns, ascending; one supernode after the other.
     below: Vec<u32>,
-    /// Number of multiplications and additions of the factorization; zeros of merged supernodes are not counted.
+    /// Number of multiplications and additions of the factorization, without operations on zeros that merging adds.
     pub(super) flops: f64,
 }
 
@@ -51,46 +51,46 @@ impl Tree {
         (self.parent[s] != NONE).then_some(self.parent[s] as usize)
     }
 
-    /// Children of a supernode, in order.
+    /// Children of supernode `s`, in postorder.
     pub(super) fn children(&self, s: usize) -> impl Iterator<Item = usize> + '_ {
         siblings(&self.head, &self.next, s)
     }
 
-    /// Number of columns of a supernode.
+    /// Number of columns of supernode `s`.
     pub(super) fn width(&self, s: usize) -> usize {
         self.begin[s + 1] - self.begin[s]
     }
 
-    /// Postorder indices of the rows below a supernode's columns.
+    /// Postorder indices of the rows below the columns of supernode `s`.
     pub(super) fn below(&self, s: usize) -> &[u32] {
         &self.below[self.start[s]..self.start[s + 1]]
     }
 
-    /// Estimated time in nanoseconds for each supernode.
+    /// Estimated time in nanoseconds to eliminate each supernode.
     pub(super) fn work(&self) -> Vec<f64> {
         (0..self.len()).map(|s| cost(self.width(s), self.below(s).len())).collect()
     }
 
-    /// Number of rows of a supernode, including the rows of its own columns.
+    /// Number of rows of supernode `s`, including the rows of its own columns.
     pub(super) fn height(&self, s: usize) -> usize {
         self.width(s) + self.below(s).len()
     }
 }
 
-/// Groups of blocks of the graph: the supernodes, before and after merging.
+/// Groups of blocks of the graph. They are the supernodes, first before and then after merging.
 struct Groups {
     group_of: Vec<u32>,
     parent: Vec<u32>,
-    /// Number of columns in each group, and number of rows below them.
+    /// Number of columns in each group (`width`), and number of rows of L below these columns (`below`).
     width: Vec<usize>,
     below: Vec<usize>,
-    /// The group into which each group was merged; itself if it was not merged.
+    /// The group into which each group was merged; the group itself if it was not merged.
     into: Vec<u32>,
 }
 
 impl Groups {
-    /// Chains of blocks with the same pattern in the elimination tree (Liu, Ng and Peyton 1993). Children precede their
-    /// parents.
+    /// Fundamental supernodes: chains of blocks with the same pattern in the elimination tree (Liu, Ng and Peyton
+    /// 1993). Children precede their parents.
     fn fundamental(graph: &Graph, tree: &[u32], rows: &[usize]) -> Self {
         let mut children = vec![0_u32; graph.len()];
         let mut only = vec![NONE; graph.len()];
@@ -125,7 +125,7 @@ impl Groups {
         groups
     }
 
-    /// Merges a child into its parent if that does not increase the sum of [`cost`].
+    /// Merges a child group into its parent if this does not increase the sum of [`cost`] over the groups.
     fn amalgamate(&mut self) {
         let (head, next) = children(&self.parent);
         let mut those = Vec::new();
@@ -142,7 +142,7 @@ impl Groups {
                 }
             }
         }
-        // A group follows all groups merged into it.
+        // A group comes after all groups that were merged into it, so it is handled before them here.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }
@@ -165,7 +165,7 @@ impl Groups {
         let parent: Vec<u32> =
             order.iter().map(|&group| if parent[group] == NONE { NONE } else { at[parent[group] as usize] }).collect();
 
-        // Blocks of each supernode, in the order of the matrix.
+        // Number of the supernode that a block belongs to.
         let of = |block: usize| at[renumbered(self.group_of[block]) as usize] as usize;
         let mut first_block = vec![0; order.len() + 1];
         for block in 0..graph.len() {
@@ -188,9 +188,9 @@ impl Groups {
 /// Estimated time in nanoseconds to eliminate `width` columns with `below` rows below them and to assemble the update
 /// matrix.
 ///
-/// Fitted to times on a core with 55 GFlop/s: dense kernels are slow with few columns, and each entry is written and
-/// read. Zeros in L cost more here than their time, because they take memory: for 160×160 `mitc9`, 39.2M and 41.5M
-/// entries of L take the same time.
+/// The constants fit times on a core with 55 GFlop/s. Dense kernels are slow with few columns, and each entry is
+/// written and read. Zeros in L cost more here than their time, because they take memory: for 160×160 `mitc9`, factors
+/// with 39.2M and 41.5M entries take the same time.
 fn cost(width: usize, below: usize) -> f64 {
     let (k, m) = (width as f64, below as f64);
     let flops = k * (k * k / 3.0 + k * m + m * m);
@@ -213,12 +213,12 @@ fn siblings<'a>(head: &'a [u32], next: &'a [u32], parent: usize) -> impl Iterato
     std::iter::successors(some(head[parent]), move |&child| some(next[child]))
 }
 
-/// Postorder: children precede parents, and each subtree is contiguous.
+/// Numbers of the groups in postorder: children precede parents, and each subtree is contiguous.
 fn postorder(parent: &[u32]) -> Vec<usize> {
     let (head, next) = children(parent);
     let mut order = Vec::with_capacity(parent.len());
     let mut open: Vec<usize> = (0..parent.len()).filter(|&group| parent[group] == NONE).collect();
-    // The order is built in reverse: parents before children, the last child first.
+    // The order is built in reverse: a parent before its children, the last child first.
     while let Some(group) = open.pop() {
         order.push(group);
         open.extend(siblings(&head, &next, group));
@@ -227,8 +227,8 @@ fn postorder(parent: &[u32]) -> Vec<usize> {
     order
 }
 
-/// The tree with the rows of each supernode: the union of the rows of its columns and of its children, below its
-/// columns.
+/// The tree with the rows of each supernode. The rows of a supernode are the union of the rows of its columns and of
+/// its children, below its columns.
 fn places(graph: &Graph, blocks: &[usize], first_block: &[usize], parent: Vec<u32>) -> Tree {
     let mut rank = vec![0_u32; blocks.len()];
     let mut first_place = vec![0_usize; blocks.len() + 1];

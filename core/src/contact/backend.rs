@@ -1,4 +1,4 @@
-//! The methods, the factored plate of each method, and the penalties of the Newton method.
+//! The methods, the factored plate that each method needs, and the penalties of the Newton method.
 
 use super::graph::Piece;
 use super::interface::{Interface, LcpTemplate};
@@ -9,41 +9,42 @@ use crate::element::packed;
 use crate::plate::Plate;
 use std::sync::{Arc, OnceLock};
 
-/// The method for which the plate is factored.
+/// The method that finds the contact state; the plate is factored for this method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Lemke's algorithm for few points: the plate is condensed onto all points.
+    /// Lemke's algorithm, for few contact points: the plate is condensed onto all points.
     Lemke,
-    /// The semismooth Newton method for any number of points: the factor includes a spring at each point.
+    /// The semismooth Newton method, for any number of contact points: the factor includes a spring at each point.
     ActiveSet,
-    /// The semismooth Newton method on the saddle-point system: the factor has the force of each point as an unknown.
-    /// Springs may be nearly as stiff as rigid supports, so that forces of nearly dependent points keep their digits.
+    /// The semismooth Newton method on the saddle-point system: the force of each contact point is an unknown of the
+    /// factor. The springs may be nearly as stiff as rigid supports, so forces of nearly dependent points keep their
+    /// digits.
     Saddle,
 }
 
-/// The factored plate of each method.
+/// The factored plate that a method needs.
 #[derive(Clone)]
 pub(super) enum Backend {
-    /// Factor of K with the stiffness δ of some points, condensed onto all points. `templates` holds the LCP of each
-    /// form, made on demand.
+    /// Factor of K̃ = K + Gᵀ diag(δ) G, condensed onto all contact points. `templates` holds the LCP in stiffness and
+    /// in dual form; each is made when it is first needed.
     Condensed { interface: Arc<Interface>, templates: Arc<[OnceLock<LcpTemplate>; 2]> },
-    /// Factor of K with a spring at each point.
+    /// Factor of K with a spring at each contact point.
     Penalised(Arc<Augmentation>),
-    /// Factor of K with the forces of all points as unknowns.
+    /// Factor of the saddle-point system, in which the forces of all contact points are unknowns.
     SaddlePoint(Arc<Augmentation>),
 }
 
-/// The augmented Lagrangian of the Newton method: each stiff point has a compliance σ in series.
+/// The augmented Lagrangian of the Newton method: each stiff point has an augmentation compliance σ in series.
 pub(super) struct Augmentation {
-    /// Reference stiffness (m,) of the plate at each point; σ = 1/(penalty · stiffness).
+    /// Reference stiffness (m,) of the plate at each contact point; σ = 1/(penalty · reference stiffness).
     stiffness: Vec<f64>,
     /// Penalty of the first stage of the Newton method.
     pub(super) first_penalty: f64,
 }
 
 impl Augmentation {
-    /// Makes penalties relative to the shear stiffness of the elements. With the first penalty the plate bends over
-    /// many elements, so that the contact state settles in few steps.
+    /// Makes the augmentation with the shear stiffness of the elements as reference. With the first penalty the plate
+    /// bends over many elements, so that the contact state settles in few steps.
     pub(super) fn of_penalties(plate: &Plate, points: &Points) -> Self {
         let mut new = Self { stiffness: shear_at(plate, points), first_penalty: tolerances::newton::STIFFEST };
         let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
@@ -56,22 +57,23 @@ impl Augmentation {
         new
     }
 
-    /// Makes penalties for the saddle-point system. At the largest penalty σ is `COMPLIANCE` times the compliance of
-    /// the plate.
+    /// Makes the augmentation for the saddle-point system. At the largest penalty σ is `COMPLIANCE` times the
+    /// compliance of the plate.
     pub(super) fn of_saddle_point(points: &Points, scale: &Scale) -> Self {
         let stiffest = scale.stiffness / (tolerances::COMPLIANCE * tolerances::newton::STIFFEST);
         let stiffness = points.arm.iter().map(|arm| stiffest * arm * arm).collect();
         Self { stiffness, first_penalty: tolerances::newton::STIFFEST }
     }
 
-    /// The penalty of the stage after the one with `penalty`. Three stages are in geometric progression.
+    /// The penalty of the stage that follows the stage with `penalty`. The penalties of the three stages are a
+    /// geometric progression.
     pub(super) fn next_penalty(&self, penalty: f64) -> f64 {
         let stiffest = tolerances::newton::STIFFEST;
         if penalty == self.first_penalty { (penalty * stiffest).sqrt() } else { stiffest }
     }
 
-    /// Compliance σ (m,) in series with each point. Its stiffness 1/σ is the penalty times the reference stiffness; σ =
-    /// 0 for points softer than that. A point with a linear law has the largest penalty from the start.
+    /// Augmentation compliance σ (m,) of each contact point: 1/σ is the penalty times the reference stiffness. Points
+    /// softer than 1/σ have σ = 0. Points with a linear law have the largest penalty from the start.
     pub(super) fn series(&self, points: &Points, penalty: f64) -> Vec<f64> {
         let of = |i: usize| {
             let penalty = if points.is_straight(i) { tolerances::newton::STIFFEST } else { penalty };
@@ -81,14 +83,15 @@ impl Augmentation {
         (0..points.len()).map(of).collect()
     }
 
-    /// Stiffness (m,) of each point on the piece `piece(i)`, in series with σ of a penalty.
+    /// Stiffness (m,) of each contact point on its piece `piece(i)`, in series with the augmentation compliance σ for
+    /// `penalty`.
     pub(super) fn slopes(&self, points: &Points, piece: impl Fn(usize) -> Piece, penalty: f64) -> Vec<f64> {
         let series = self.series(points, penalty);
         (0..points.len()).map(|i| piece(i).in_series(series[i])).collect()
     }
 }
 
-/// Largest diagonal entry (m,) of the element stiffness matrices over the dofs of each row of G.
+/// For each row of G (m,), the largest diagonal entry of an element stiffness matrix at a dof of the row.
 fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
     let mut largest = vec![0.0_f64; plate.dof_count()];
     for e in 0..plate.elements().len() {

@@ -1,30 +1,30 @@
-//! Reasons why a contact problem has no solution.
+//! The error type of contact problems.
 
 use crate::cholesky::FactorError;
 use crate::dense::OutOfMemory;
 use crate::lcp::{LcpError, LcpStatus};
 use std::fmt;
 
-/// Reasons why there is no solution.
+/// Reasons why a contact problem has no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveError {
-    /// No reactions balance the load, or gaps contradict each other.
+    /// No reactions balance the load, or the gaps of rigid supports contradict each other.
     NoEquilibrium,
     /// The iteration limit was reached, or the contact state is numerically singular.
     Unsolved,
-    /// Cancelled by the callback.
+    /// The callback cancelled the solve.
     Cancelled,
-    /// The points are not condensed, but the request needs it.
+    /// The call needs condensed contact points, but the plate is factored for the Newton method.
     NotCondensed,
-    /// The points are condensed, but the request needs the Newton method.
+    /// The call needs the Newton method, but the plate is condensed onto its contact points.
     Condensed,
-    /// A vector has the wrong length.
+    /// The vector `name` has the wrong length.
     Length {
         name: &'static str,
         found: usize,
         expected: usize,
     },
-    /// A number is out of range.
+    /// A number of the vector `name` is out of range.
     Value {
         name: &'static str,
         index: usize,
@@ -63,7 +63,7 @@ impl From<OutOfMemory> for SolveError {
 }
 
 impl From<LcpError> for SolveError {
-    /// An LCP with entries that are not finite belongs to a singular contact state.
+    /// If an LCP has entries that are not finite, its contact state is singular.
     fn from(error: LcpError) -> Self {
         match error {
             LcpError::OutOfMemory => Self::Factor(FactorError::OutOfMemory),
@@ -73,7 +73,7 @@ impl From<LcpError> for SolveError {
 }
 
 impl SolveError {
-    /// The error for the status of an LCP; `Ok` if it is solved.
+    /// `Ok` if an LCP is solved, otherwise the error for its status.
     pub(super) fn of(status: LcpStatus) -> Result<(), Self> {
         match status {
             LcpStatus::Solved => Ok(()),
@@ -83,18 +83,18 @@ impl SolveError {
         }
     }
 
-    /// Whether the load is the reason, and not the memory or the caller.
+    /// Whether the load causes the error. Otherwise memory or an argument of the caller causes it.
     pub(super) fn is_of_load(self) -> bool {
         matches!(self, Self::NoEquilibrium | Self::Unsolved)
     }
 }
 
-/// Returns an error if a vector has the wrong length.
+/// Returns an error if the vector `name` has `found` entries instead of `expected`.
 pub(super) fn require_length(name: &'static str, found: usize, expected: usize) -> Result<(), SolveError> {
     if found == expected { Ok(()) } else { Err(SolveError::Length { name, found, expected }) }
 }
 
-/// Returns an error if a number of a vector is out of range.
+/// Returns an error if a number of the vector `name` is out of range.
 pub(super) fn require_values(
     name: &'static str,
     values: &[f64],

@@ -1,4 +1,4 @@
-//! Solution for a fixed contact state.
+//! Solution of a contact problem for a fixed contact state.
 
 use super::backend::Backend;
 use super::error::SolveError;
@@ -10,7 +10,7 @@ use super::residual::Residual;
 use super::solution::ContactSolution;
 use super::tolerances;
 
-/// Solver of the linear equations of fixed contact states, for the backend of the problem.
+/// Makes the solver of the linear equations of fixed contact states for the backend of the problem.
 pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     match &problem.backend {
         Backend::Condensed { interface, .. } => Box::new(Condensed::new(problem, interface)),
@@ -20,8 +20,8 @@ pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     }
 }
 
-/// Solves on the given pieces (m,), from `start` if given. Points may violate the bounds of their pieces. Forces far
-/// below `least` count as rounding.
+/// Solves one load on the contact state `pieces` (m,), starting from `start` if present. Points may be beyond the
+/// bounds of their pieces. Forces far below `least` count as rounding.
 pub(super) fn solve_on(
     problem: &ContactProblem,
     kkt: &mut dyn Kkt,

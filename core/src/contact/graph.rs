@@ -1,15 +1,15 @@
 //! Laws of contact points as monotone graphs r(s): a nondecreasing polyline of force r over travel s (Moreau 1965;
 //! Rockafellar 1970, section 24).
 //!
-//! A point that is open or yields is on a horizontal piece, a point in rigid contact on a vertical one. The state of a
-//! point is the index of its piece. The equations need the line of that piece only.
+//! A point that is open or yields is on a horizontal piece of its graph, a point in rigid contact on a vertical piece.
+//! The state of a point is the index of its piece. The equations of a state need only the lines of these pieces.
 
 use std::fmt;
 
-/// Relative rounding of the vertices of a line that is meant to pass through the origin.
+/// Relative tolerance for a line through two vertices that passes through the origin.
 const DRAWN: f64 = 1e-12;
 
-/// A nondecreasing polyline of force r over travel s.
+/// The law of a contact point: a nondecreasing polyline of force r over travel s.
 ///
 /// ```
 /// use signorini_core::contact::Graph;
@@ -19,15 +19,15 @@ const DRAWN: f64 = 1e-12;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
-    /// Vertices [s, r], at least one. The line of a graph with one piece passes through its only vertex.
+    /// Vertices [s, r], at least one. If the graph has one piece, its line passes through the only vertex.
     vertices: Vec<[f64; 2]>,
-    /// Pieces in order of travel.
+    /// Pieces of the polyline, in order of increasing travel.
     pieces: Vec<Piece>,
 }
 
 /// The line of a piece: r − `force` = `slope` (s − `travel`), or s = `travel` where the slope is infinite. (`travel`,
-/// `force`) is the place on the piece with r = 0, if there is one. Small forces then keep their digits beside a large
-/// limit.
+/// `force`) is the point of the piece with r = 0, if the piece has such a point. Small forces then keep their digits
+/// beside a large limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     pub travel: f64,
@@ -35,16 +35,16 @@ pub struct Piece {
     pub slope: f64,
 }
 
-/// Reasons why a polyline is an invalid law.
+/// Reasons why a polyline is not a valid law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphError {
     NoVertex,
     NotFinite,
-    /// The vertex with this index has less travel or force than the one before it.
+    /// The vertex with this index has less travel or less force than the vertex before it, or equals it.
     Falls(usize),
-    /// A slope at an end is negative.
+    /// The slope before the first or after the last vertex is negative.
     NegativeSlope,
-    /// More pieces than a `u8` can number.
+    /// The graph has more pieces than a `u8` can number.
     TooManyPieces,
 }
 
@@ -63,7 +63,8 @@ impl fmt::Display for GraphError {
 impl std::error::Error for GraphError {}
 
 impl Graph {
-    /// Makes the graph through `vertices` [s, r]. `ends` are the slopes before the first and after the last vertex.
+    /// Makes the graph through `vertices` [s, r]. `ends` has the slope before the first vertex and the slope after the
+    /// last.
     pub fn new(vertices: Vec<[f64; 2]>, ends: [f64; 2]) -> Result<Self, GraphError> {
         if vertices.is_empty() {
             return Err(GraphError::NoVertex);
@@ -86,12 +87,12 @@ impl Graph {
         Ok(Self::of(vertices, slopes))
     }
 
-    /// A one-sided law: r = 0 for s ≤ 0, r = `stiffness` s for s > 0. An infinite stiffness is rigid contact.
+    /// Makes a one-sided law: r = 0 for s ≤ 0, r = `stiffness` s for s > 0. An infinite stiffness is rigid contact.
     pub fn one_sided(stiffness: f64) -> Self {
         Self::of(vec![[0.0, 0.0]], vec![0.0, stiffness])
     }
 
-    /// A linear law r = `stiffness` s: a single piece.
+    /// Makes the linear law r = `stiffness` s, which has a single piece.
     pub fn two_sided(stiffness: f64) -> Self {
         Self::of(vec![[0.0, 0.0]], vec![stiffness])
     }
@@ -105,7 +106,8 @@ impl Graph {
                 return Piece { travel, force, slope };
             }
             let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
-                // Each term is a part of the rise, so that vertices that mirror each other give exactly zero.
+                // Each of the two travels is a fraction of its vertex, so that vertices symmetric about the origin give
+                // exactly zero.
                 Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
                 None => (travel, force / slope),
             };
@@ -120,7 +122,7 @@ impl Graph {
         self.pieces.len()
     }
 
-    /// Whether the law is linear: it has a single piece, so that the state is constant.
+    /// Whether the law is linear: its graph has a single piece, so that the state of the point never changes.
     pub fn is_straight(&self) -> bool {
         self.pieces.len() == 1
     }
@@ -129,7 +131,7 @@ impl Graph {
         self.pieces[usize::from(number)]
     }
 
-    /// Lower and upper end [s, r] of a piece; `None` where it is unbounded.
+    /// Lower and upper end [s, r] of piece `number`; an end is `None` where the piece is unbounded.
     pub fn ends(&self, number: u8) -> [Option<[f64; 2]>; 2] {
         if self.is_straight() {
             return [None, None];
@@ -138,13 +140,13 @@ impl Graph {
         [number.checked_sub(1).map(|at| self.vertices[at]), self.vertices.get(number).copied()]
     }
 
-    /// Index of the steepest piece; the first one if several are equally steep.
+    /// Index of the steepest piece; the first of these if several are equally steep.
     pub fn steepest(&self) -> u8 {
         let steeper = |most: usize, at: usize| if self.pieces[at].slope > self.pieces[most].slope { at } else { most };
         (1..self.pieces.len()).fold(0, steeper) as u8
     }
 
-    /// The piece at the augmented travel s + σr, with σ = `compliance` in series.
+    /// Index of the piece at the augmented travel s + σr, with the augmentation compliance σ = `compliance`.
     pub fn piece_at(&self, compliance: f64, augmented_travel: f64) -> u8 {
         if self.is_straight() {
             return 0;
@@ -152,7 +154,8 @@ impl Graph {
         self.vertices.iter().take_while(|[travel, force]| augmented_travel > travel + compliance * force).count() as u8
     }
 
-    /// Force r at the augmented travel s + σr, and the derivative of r by it: the Yosida regularization of the graph.
+    /// Force r at the augmented travel s + σr (σ = `compliance`), and the derivative of r with respect to s + σr. This
+    /// is the Yosida regularization of the graph.
     pub fn force_at(&self, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let piece = self.piece(self.piece_at(compliance, augmented_travel));
         let slope = piece.in_series(compliance);
@@ -166,12 +169,12 @@ impl Piece {
         self.slope > 0.0
     }
 
-    /// Compliance 1/slope; 0 for rigid and for horizontal pieces.
+    /// Compliance 1/slope of the piece; 0 for rigid and for horizontal pieces.
     pub fn compliance(self) -> f64 {
         if self.slope > 0.0 { 1.0 / self.slope } else { 0.0 }
     }
 
-    /// Slope of the piece in series with a compliance: 1/(1/slope + compliance).
+    /// Stiffness of the piece in series with a compliance: 1/(1/slope + compliance).
     pub fn in_series(self, compliance: f64) -> f64 {
         if self.slope == 0.0 { 0.0 } else { 1.0 / (1.0 / self.slope + compliance) }
     }
@@ -183,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_regularized_graph_is_the_graph_in_series_with_a_spring() {
-        // Pieces in order: open, elastic, rigid, yielding.
+        // The pieces of this law are, in order: open, elastic, rigid, yielding.
         let graph = Graph::new(vec![[0.0, 0.0], [1.0, 2.0], [1.0, 5.0]], [0.0, 0.0]).unwrap();
         let compliance = 0.1;
         for (augmented_travel, number, force, slope) in

@@ -1,9 +1,9 @@
-//! One load of a contact problem.
+//! The load for one solve of a contact problem.
 
 use super::error::{SolveError, require_length};
 use super::problem::ContactProblem;
 
-/// Nodal forces (3n,), and the values (3n,) of the held dofs.
+/// A load: nodal forces (3n,), and the prescribed values (3n,) of held dofs.
 #[derive(Clone, Copy, Debug)]
 pub struct Load<'a> {
     pub nodal: &'a [f64],

@@ -11,43 +11,44 @@ use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The elements that contain the dofs of a row of G.
+/// The elements whose dofs a row of G has.
 #[derive(Clone, Copy, Debug)]
 enum Over {
     One(u32),
-    /// Index in `Points::pairs`.
+    /// The pair of elements with this index in `Points::pairs`.
     Pair(u32),
     Several,
 }
 
-/// Contact points in the caller's order. Travel s_i = (g_i·u − shift_i)/unit_i, reaction r_i = weight_i · graph_i(s_i),
-/// with g_i row i of G and Ku + Gᵀr = f.
+/// Contact points in the caller's order. Point i has the travel s_i = (g_i·u − shift_i)/unit_i and the reaction r_i =
+/// weight_i · graph_i(s_i), with g_i row i of G and Ku + Gᵀr = f.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     start: Vec<usize>,
     dof: Vec<u32>,
     coefficient: Vec<f64>,
     over: Vec<Over>,
-    /// Whether each row has deflection dofs only.
+    /// Whether each row of G has deflection dofs only.
     deflects: Vec<bool>,
-    /// The two elements of every pair, and the index of each pair.
+    /// The pairs of elements that a row of G connects, and the index of each pair in this list.
     pairs: Vec<[u32; 2]>,
     pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
-    /// Displacement g·u at which s = 0: gap and settlement.
+    /// Displacement g·u (m,) at which s = 0: gap plus settlement, called g in docs/theory.md.
     pub shift: Vec<f64>,
-    /// Force per unit force of the graph: an area, a length or a stiffness.
+    /// Force scale F₀ (m,): force per unit force of the graph, which is an area, a length or a stiffness.
     pub weight: Vec<f64>,
-    /// Displacement per unit travel of the graph; it differs from 1 where laws that differ only by their limits share a
-    /// graph.
+    /// Travel scale d (m,): displacement per unit travel of the graph. It differs from 1 where a graph serves several
+    /// laws that differ only by their limits.
     pub unit: Vec<f64>,
-    /// Divisor that converts a reaction to a force: 1, or the lever arm of a couple. A travel times the arm is a
-    /// length.
+    /// Lever arm (m,) of points whose reaction is a couple, otherwise 1. A reaction divided by `arm` is a force; a
+    /// travel times `arm` is a length.
     pub arm: Vec<f64>,
 }
 
-/// State of a point: its piece, its reaction, and its gap (the travel to the vertex of a horizontal piece).
+/// State of a point: its piece, its reaction, and its gap, which is the travel to the reference vertex of a horizontal
+/// piece.
 #[derive(Clone, Copy)]
 pub(super) struct PointState {
     pub(super) piece: u8,
@@ -55,19 +56,19 @@ pub(super) struct PointState {
     pub(super) gap: f64,
 }
 
-/// Laws and travels of m contact points.
+/// Laws of m contact points, with their gaps and scales.
 pub struct PointLaws {
     pub graphs: Vec<Graph>,
-    /// Index in `graphs` of the law of each point (m,).
+    /// For each point (m,), the index of its law in `graphs`.
     pub graph: Vec<usize>,
-    /// `shift`, `weight` and `unit` (m,) are as in [`Points`].
+    /// `shift`, `weight` and `unit` (m,) of each point, as defined in [`Points`].
     pub shift: Vec<f64>,
     pub weight: Vec<f64>,
     pub unit: Vec<f64>,
 }
 
 impl Points {
-    /// Makes the points of a table of m rows.
+    /// Makes m contact points on the m rows of a table.
     pub fn on_rows(plate: &Plate, rows: &Rows, laws: PointLaws) -> Result<Self, SolveError> {
         let PointLaws { graphs, graph, shift, weight, unit } = laws;
         require_length("the laws of points", graph.len(), rows.len())?;
@@ -85,7 +86,7 @@ impl Points {
         Ok(points)
     }
 
-    /// Refuses vectors of wrong lengths and numbers out of range.
+    /// Returns an error if a vector has the wrong length or a number is out of range.
     pub(super) fn require_valid(&self) -> Result<(), SolveError> {
         for (name, values) in [("shift", &self.shift), ("weight", &self.weight), ("unit", &self.unit)] {
             require_length(name, values.len(), self.len())?;
@@ -95,7 +96,7 @@ impl Points {
         require_values("unit", &self.unit, "finite and positive", |unit| unit > 0.0 && unit.is_finite())
     }
 
-    /// Reserves memory for `count` points whose rows have the deflections of one element.
+    /// Makes an empty list with memory for `count` points whose rows have the deflections of one element.
     pub fn with_capacity(count: usize) -> Self {
         let mut points = Self::default();
         points.dof.reserve(8 * count);
@@ -111,13 +112,13 @@ impl Points {
         self.graph.is_empty()
     }
 
-    /// Adds a law and returns its index.
+    /// Adds a law and returns its index in the list of laws.
     pub fn add_graph(&mut self, graph: Graph) -> u32 {
         self.graphs.push(graph);
         self.graphs.len() as u32 - 1
     }
 
-    /// Appends a point. `row` holds dofs and coefficients, each dof once.
+    /// Appends a point. `row` has the dofs of its row of G with their coefficients, each dof once.
     pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
         if self.start.is_empty() {
             self.start.push(0);
@@ -136,7 +137,7 @@ impl Points {
         self.unit.push(1.0);
     }
 
-    /// Appends a point with row i of a table.
+    /// Appends a point whose row of G is row i of a table.
     pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
         self.push(rows.entries(plate, i), graph, shift, weight);
         let over = match rows.pair(i) {
@@ -154,12 +155,12 @@ impl Points {
         })
     }
 
-    /// The pairs of elements that have common rows.
+    /// The pairs of elements that a row of G connects.
     pub(super) fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
     }
 
-    /// The elements of a row that lies in one or two elements; empty for other rows.
+    /// The elements of row i of G if these are one or two, otherwise an empty list.
     fn elements(&self, i: usize) -> &[u32] {
         match &self.over[i] {
             Over::One(element) => std::slice::from_ref(element),
@@ -168,7 +169,7 @@ impl Points {
         }
     }
 
-    /// Sets the lever arm of rows that have rotation dofs only: their reactions are couples.
+    /// Sets the lever arm of the rows that have rotation dofs only, whose reactions are couples.
     pub(super) fn set_arm(&mut self, arm: f64) {
         for i in 0..self.len() {
             let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
@@ -176,7 +177,7 @@ impl Points {
         }
     }
 
-    /// Dofs and coefficients of a row.
+    /// The dofs of row i of G, each with its coefficient.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let at = self.start[i]..self.start[i + 1];
         self.dof[at.clone()].iter().zip(&self.coefficient[at]).map(|(&dof, &coefficient)| (dof as usize, coefficient))
@@ -186,24 +187,24 @@ impl Points {
         self.row(i).map(|(dof, coefficient)| coefficient * vector[dof]).sum()
     }
 
-    /// Adds `force` times a row to a nodal vector.
+    /// Adds `force` times row i of G to a nodal vector (3n,).
     pub fn scatter(&self, i: usize, force: f64, vector: &mut [f64]) {
         self.row(i).for_each(|(dof, coefficient)| vector[dof] += force * coefficient);
     }
 
-    /// Adds Σ force_i row_i, zeros left out.
+    /// Adds `factor` · Gᵀ`force` to a nodal vector (3n,).
     pub fn scatter_all(&self, force: &[f64], factor: f64, vector: &mut [f64]) {
         for (i, force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
             self.scatter(i, factor * force, vector);
         }
     }
 
-    /// G times a nodal vector: (m,).
+    /// G times a nodal vector (3n,), one value for each point (m,).
     pub fn change(&self, vector: &[f64]) -> Vec<f64> {
         (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
     }
 
-    /// Gu − `from` (m,), in double-double.
+    /// Gu − `from` (m,), summed in double-double.
     pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
@@ -237,21 +238,22 @@ impl Points {
         &self.graphs[self.graph[i] as usize]
     }
 
-    /// The line of a piece of a point, as force over displacement of the point.
+    /// The line of piece `number` of point i, as reaction over the displacement g·u.
     pub fn piece(&self, i: usize, number: u8) -> Piece {
         let Piece { travel, force, slope } = self.graph(i).piece(number);
         let (weight, unit) = (self.weight[i], self.unit[i]);
         Piece { travel: self.shift[i] + unit * travel, force: weight * force, slope: weight / unit * slope }
     }
 
-    /// Lower and upper end [displacement, force] of a piece of a point.
+    /// Lower and upper end [displacement g·u, reaction] of piece `number` of point i; `None` where the piece is
+    /// unbounded.
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
         let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
-    /// Distance of a point from the lower or upper end of its piece, positive inside the piece. It is a force where the
-    /// force depends on the travel, otherwise a travel. `None` where the piece is unbounded.
+    /// Distance of a point from the lower or upper end of its piece, positive inside the piece. The distance is a force
+    /// if the force depends on the travel on this piece, otherwise a travel. `None` where the piece is unbounded.
     pub(super) fn signed_distance(&self, i: usize, state: PointState, is_upper: bool) -> Option<f64> {
         let piece = self.piece(i, state.piece);
         let end = self.ends(i, state.piece)[usize::from(is_upper)]?;
@@ -262,42 +264,43 @@ impl Points {
         Some(if is_upper { -above } else { above })
     }
 
-    /// The piece at the augmented travel s + σr, with s measured from `shift` and σ = `compliance`.
+    /// Number of the piece of point i at the augmented travel s + σr, with s = g·u − `shift` and σ = `compliance`.
     pub fn piece_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> u8 {
         self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
     }
 
-    /// Force r at the augmented travel s + σr, and the derivative of r by it.
+    /// Reaction r of point i at the augmented travel s + σr (σ = `compliance`), and the derivative of r with respect to
+    /// s + σr.
     pub fn force_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let (weight, unit) = (self.weight[i], self.unit[i]);
         let (force, slope) = self.graph(i).force_at(compliance * weight / unit, augmented_travel / unit);
         (weight * force, weight / unit * slope)
     }
 
-    /// The steepest piece of a point.
+    /// The line of the steepest piece of point i.
     pub fn steepest(&self, i: usize) -> Piece {
         self.piece(i, self.graph(i).steepest())
     }
 
-    /// Whether the force of each point depends on its travel (m,), for the given pieces.
+    /// For each point (m,), whether its force depends on its travel on its piece in `pieces`.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// Whether each point has a force (m,), for the given pieces; open points have none.
+    /// For each point (m,), whether it can have a force on its piece in `pieces`. Open points have none.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
-    /// The first piece of each point (m,) whose force depends on its travel where `holds` is true, and does not where
-    /// it is false; otherwise piece 0.
+    /// For each point (m,), its first piece on which the force depends on the travel if `holds` is true, or does not
+    /// depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
     }
 
-    /// Piece 0 of each point, on which a one-sided point is open.
+    /// Piece 0 (m,) for each point. On this piece a one-sided point is open.
     pub fn first_pieces(&self) -> Vec<u8> {
         vec![0; self.len()]
     }
@@ -310,23 +313,23 @@ impl Points {
         self.graph(i).is_straight()
     }
 
-    /// Whether the row of a point has dofs of one element only.
+    /// Whether row i of G has dofs of one element only.
     pub(super) fn is_narrow(&self, i: usize) -> bool {
         matches!(self.over[i], Over::One(_))
     }
 
-    /// Whether the spring of a point is assembled with the element matrices.
+    /// Whether a spring at point i is assembled with the element matrices, not as a multiplier row.
     pub(super) fn is_bedding(&self, i: usize) -> bool {
         self.deflects[i] && !matches!(self.over[i], Over::Several)
     }
 
-    /// Least value of `of_element` over the elements of all rows.
+    /// Least value of `of_element(e)` over all elements e of the rows of G.
     pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
         let least = |i: usize| self.elements(i).iter().map(|&e| of_element(e as usize)).fold(f64::INFINITY, f64::min);
         (0..self.len()).into_par_iter().with_min_len(4096).map(least).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Springs of `stiffness` (m,) at the points whose springs are assembled with the element matrices.
+    /// Springs of `stiffness` (m,) at those points whose springs are assembled with the element matrices.
     pub fn bedding(&self, plate: &Plate, stiffness: &[f64]) -> Bedding<'_> {
         let mut bedding = Bedding { pairs: &self.pairs, ..Bedding::default() };
         if stiffness.iter().all(|&k| k == 0.0) {

@@ -1,4 +1,4 @@
-//! The contact problem: a plate on its supports, factored once for all loads.
+//! The contact problem: plates on their supports, factored once for all loads.
 
 use super::backend::{Augmentation, Backend, Method};
 use super::error::{SolveError, require_length, require_values};
@@ -19,7 +19,7 @@ use crate::rows::Springs;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Seconds taken by each stage.
+/// Seconds taken to order, to factor and to condense.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     pub order: f64,
@@ -27,20 +27,20 @@ pub struct Seconds {
     pub condense: f64,
 }
 
-/// Input of a contact problem, in addition to the plate.
+/// Springs, held dofs and contact points: the input of a contact problem in addition to the plate.
 pub struct Supported {
     pub springs: Springs,
-    /// Whether each dof has a prescribed value (3n,).
+    /// Whether each dof (3n,) has a prescribed value.
     pub held: Vec<bool>,
     pub points: Points,
-    /// Stiffness δ (m,) that the factor includes at condensed points. It is the whole stiffness of a soft elastic
-    /// point. Other points have δ > 0 only where K alone would be singular.
+    /// Stiffness δ (m,) that the factor includes at condensed points. For a soft elastic point δ is its whole
+    /// stiffness. Other points have δ > 0 only where K alone would be singular.
     pub delta: Vec<f64>,
-    /// Rigid motions (3n,) that springs, held dofs and two-sided points leave free.
+    /// Rigid motions, each (3n,), that springs, held dofs and two-sided points leave free.
     pub free_motions: Vec<Vec<f64>>,
 }
 
-/// A plate on its supports, factored once.
+/// Plates on their supports, factored once for all loads.
 #[derive(Clone)]
 pub struct ContactProblem {
     pub plate: Arc<Plate>,
@@ -52,9 +52,9 @@ pub struct ContactProblem {
     pub(super) pattern: Arc<KktPattern>,
     pub(super) base: Arc<System>,
     pub(super) backend: Backend,
-    /// Rigid motions R of the plates without held dofs; `None` if every plate has held dofs.
+    /// Rigid motions R of the plates without held dofs; `None` if every plate has a held dof.
     pub(super) rigid_space: Option<Arc<RigidBodySpace>>,
-    /// Relative shift of the diagonal of K in every factor.
+    /// Relative increase of the diagonal of K in every factor.
     diagonal_shift: f64,
 }
 
@@ -75,7 +75,8 @@ impl Supported {
 }
 
 impl ContactProblem {
-    /// Orders, factors and condenses. Refuses a factor of more than `room` bytes before it is begun.
+    /// Orders and factors K, and for Lemke's algorithm condenses the plate onto its points. A factor of more than
+    /// `room` bytes is refused before it is begun.
     pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, SolveError> {
         on.require_valid(&plate)?;
         let Supported { springs, held, mut points, delta, free_motions } = on;
@@ -105,7 +106,7 @@ impl ContactProblem {
         };
         let rigid_space = RigidBodySpace::on(&plate, &held, &scale, &points, &springs).map(Arc::new);
         let softest = rigid_space.as_ref().map(|rigid_space| rigid_space.softest(|i| carried[i], &springs.stiffness));
-        // A spring as stiff as the plate needs no diagonal shift.
+        // If the softest spring is as stiff as the plate, no diagonal shift is needed.
         let diagonal_shift =
             softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| needed_shift(&plate, softest));
         let base = Arc::new(pattern.factored(&plate, &springs, &points, carried, diagonal_shift, room)?);
@@ -128,7 +129,7 @@ impl ContactProblem {
         Ok(Self { plate, springs, held, points, seconds, scale, pattern, base, backend, rigid_space, diagonal_shift })
     }
 
-    /// The same problem with other shifts (m,) of its points. Both problems share the factor.
+    /// The same problem with other gaps `shift` (m,) of its points. Both problems share the factor.
     pub fn with_shift(&self, shift: Vec<f64>) -> Result<Self, SolveError> {
         let mut moved = self.clone();
         moved.points.shift = shift;
@@ -136,18 +137,18 @@ impl ContactProblem {
         Ok(moved)
     }
 
-    /// Displacements K̃⁻¹ f (3n,) under a nodal load f.
+    /// Displacements K̃⁻¹ f (3n,) under a nodal load f, with the factored matrix K̃.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, SolveError> {
         require_length("the load", load.len(), self.plate.dof_count())?;
         Ok(self.base.solve(load)?)
     }
 
-    /// Number of entries of the factor, and number of multiplications and additions of its factorization.
+    /// Number of stored entries of the factor, and number of multiplications and additions of its factorization.
     pub fn factor_size(&self) -> (usize, f64) {
         (self.base.factor.entries(), self.base.factor.flops())
     }
 
-    /// The plate condensed onto its contact points, for Lemke's algorithm.
+    /// The plate condensed onto its contact points; an error if it is factored for another method than Lemke's.
     pub(super) fn condensed(&self) -> Result<&Interface, SolveError> {
         match &self.backend {
             Backend::Condensed { interface, .. } => Ok(interface),
@@ -155,7 +156,7 @@ impl ContactProblem {
         }
     }
 
-    /// The LCP of the condensed points in one form. It is made once for all loads and shifts.
+    /// The LCP of the condensed points in the given form. It is made once for all loads and gaps.
     pub(super) fn lcp_template(&self, form: Form) -> Result<&LcpTemplate, SolveError> {
         let Backend::Condensed { interface, templates } = &self.backend else { return Err(SolveError::NotCondensed) };
         let place = &templates[form as usize];
@@ -166,8 +167,8 @@ impl ContactProblem {
         Ok(place.get().expect("made here or before"))
     }
 
-    /// The plate without load and reactions. Held dofs have their values, and all other dofs follow the rigid motion of
-    /// their plate that is nearest to these values, which strains the plate least.
+    /// The plate without load and reactions. Held dofs have their prescribed values. All other dofs have the rigid
+    /// motion of their plate that is nearest to these values, so that the plate is strained least.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let mut displacement = self.carried_along(held_value);
         for dof in (0..self.held.len()).filter(|&dof| self.held[dof]) {
@@ -179,8 +180,8 @@ impl ContactProblem {
         ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
     }
 
-    /// The rigid motions nearest to the prescribed values. The second pass removes the rounding of the first, so that
-    /// the remaining difference is strain only.
+    /// The rigid motions of the plates that are nearest to the prescribed values. The second pass removes the rounding
+    /// of the first pass, so that prescribed values minus rigid motions are strain only.
     fn carried_along(&self, held_value: &[f64]) -> Displacement {
         let mut displacement = Displacement::zeros(self.plate.dof_count());
         for _ in 0..2 {
@@ -191,7 +192,7 @@ impl ContactProblem {
         displacement
     }
 
-    /// Prescribed values minus the nearest rigid motions (3n,).
+    /// Prescribed values of held dofs minus the rigid motions nearest to these values (3n,); zero at free dofs.
     pub(super) fn strained(&self, held_value: &[f64]) -> Vec<f64> {
         self.missed(held_value, &self.carried_along(held_value))
     }
@@ -201,7 +202,7 @@ impl ContactProblem {
         (0..self.held.len()).map(|dof| if self.held[dof] { of(dof) } else { 0.0 }).collect()
     }
 
-    /// Factors K with the spring stiffness `carried` (m,) at the points.
+    /// Factors K with springs of stiffness `carried` (m,) at the points.
     pub(super) fn factored(&self, carried: Vec<f64>) -> Result<System, FactorError> {
         let Self { plate, springs, points, .. } = self;
         self.pattern.factored(plate, springs, points, carried, self.diagonal_shift, usize::MAX)
@@ -211,7 +212,7 @@ impl ContactProblem {
         (0..self.points.len()).map(|i| self.points.graph(i).steepest()).collect()
     }
 
-    /// Sets a nodal vector to zero at held dofs.
+    /// Sets the entries of a nodal vector at held dofs to zero.
     pub(super) fn release_held(&self, vector: &mut [f64]) {
         for (value, _) in vector.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
             *value = 0.0;
@@ -219,8 +220,8 @@ impl ContactProblem {
     }
 }
 
-/// Relative diagonal shift for a plate that only springs hold, given the softest projected stiffness. It is 0 if that
-/// stiffness is well above the rounding of the factor. Iterative refinement removes the effect of the shift.
+/// Relative diagonal shift for a plate that only springs hold; `softest` is the softest projected stiffness. The shift
+/// is 0 if `softest` is well above the rounding of the factor. Iterative refinement removes the effect of the shift.
 fn needed_shift(plate: &Plate, softest: f64) -> f64 {
     let diagonal = |e: usize| (0..8).map(|node| plate.element_stiffness(e)[packed(3 * node, 3 * node)]).sum::<f64>();
     let all: f64 = (0..plate.elements().len()).map(diagonal).sum();

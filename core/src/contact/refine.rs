@@ -1,8 +1,8 @@
-//! Iterative refinement with residuals in double-double.
+//! Iterative refinement of a solution on its contact state, with residuals in double-double.
 //!
-//! Corrections are applied as long as each reduces the residual much (Wilkinson 1963). Where the regularization makes
-//! this slow, corrections become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz 1983;
-//! refinement by a Krylov method as in Carson & Higham 2017).
+//! Corrections are applied as long as each reduces the residual to a quarter (Wilkinson 1963). If the regularization
+//! makes this too slow, corrections become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz
+//! 1983; refinement by a Krylov method as in Carson & Higham 2017).
 
 use super::kkt::{Correction, Kkt};
 use super::problem::ContactProblem;
@@ -12,20 +12,20 @@ use super::solution::ContactSolution;
 use super::tolerances;
 use crate::cholesky::FactorError;
 
-/// Largest number of corrections.
+/// Largest number of corrections of one solution.
 const CORRECTIONS: usize = 80;
-/// Number of last directions over which the reduction of the residual is judged.
+/// Number of most recent directions whose joint reduction of the residual decides whether refinement continues.
 const LAST: usize = 10;
 
-/// A direction, and the change of the scaled residual along it. All changes have norm 1 and are orthogonal to each
-/// other.
+/// A direction of conjugate residuals, and the change of the scaled residual along it. The changes of all directions
+/// are orthonormal.
 struct Taken {
     direction: Correction,
     change: Vec<f64>,
 }
 
-/// The correction for a residual. Where the solver has rigid motions, they are added first, and the rest is solved for
-/// the residual after them. `None` if the contact state leaves a rigid motion free.
+/// The correction that removes a residual. If the solver has rigid motions, they are added first; the rest is solved
+/// for the residual after these motions. `None` if the contact state leaves a rigid motion free.
 pub(super) fn correction(
     problem: &ContactProblem,
     load: &[f64],
@@ -42,8 +42,8 @@ pub(super) fn correction(
     Ok(Some(rigid))
 }
 
-/// Refines a solution for its contact state and returns the last residual; `None` if the state leaves a rigid motion
-/// free. Forces far below `least` count as rounding.
+/// Refines a solution on its contact state and returns the last residual. `None` if the contact state leaves a rigid
+/// motion free and the plate is not in equilibrium. Forces far below `least` count as rounding.
 pub(super) fn refine(
     problem: &ContactProblem,
     load: &[f64],
@@ -58,7 +58,7 @@ pub(super) fn refine(
     let mut own_rounding = None;
     for _ in 0..CORRECTIONS {
         let Some(mut direction) = correction(problem, load, kkt, &residual, solution)? else {
-            // The plate may be in equilibrium already, for example at rest.
+            // Although a rigid motion is free, the plate may be in equilibrium, for example without load.
             let sizes = Sizes::of(problem, load, solution, least);
             let scaled = residual.scaled(problem, &sizes, &solution.piece);
             return Ok(is_within(&scaled, tolerances::newton::SETTLED).then_some(residual));
@@ -66,7 +66,7 @@ pub(super) fn refine(
         let mut trial = solution.clone();
         trial.follow(problem, &direction, 1.0);
         let next = Residual::of(problem, load, &trial);
-        // The reference sizes are those after the first correction: before it all displacements may be zero.
+        // Reference sizes are taken after the first correction, since all displacements may be zero before it.
         let sizes = sizes.get_or_insert_with(|| Sizes::of(problem, load, &trial, least));
         let now = residual.scaled(problem, sizes, &solution.piece);
         let after = next.scaled(problem, sizes, &solution.piece);
@@ -90,7 +90,7 @@ pub(super) fn refine(
             break;
         }
         let mut change: Vec<f64> = now.iter().zip(&after).map(|(before, after)| before - after).collect();
-        // Orthogonalize twice: for nearly parallel vectors the remainder of the first pass is rounding.
+        // Orthogonalizes twice, because for nearly parallel vectors the result of the first pass is rounding.
         for earlier in taken.iter().chain(&taken) {
             let part = dot(&change, &earlier.change);
             subtract(&mut change, part, &earlier.change);
@@ -111,7 +111,7 @@ pub(super) fn refine(
             if taken.is_empty() {
                 break;
             }
-            // The directions have lost their orthogonality.
+            // The directions have lost their orthogonality; refinement starts again without them.
             taken.clear();
             continue;
         }
@@ -127,7 +127,7 @@ pub(super) fn refine(
 }
 
 impl ContactSolution {
-    /// Adds `length` times a correction.
+    /// Adds `length` times a correction to the solution.
     pub(super) fn follow(&mut self, problem: &ContactProblem, direction: &Correction, length: f64) {
         if !direction.rigid.is_empty() {
             let rigid: Vec<[f64; 3]> = direction.rigid.iter().map(|motion| motion.map(|part| length * part)).collect();

@@ -1,4 +1,4 @@
-//! Residual of the equations of a contact state in double-double, and the reference sizes to which it is relative.
+//! Residual of the equations of a contact state in double-double, and the reference sizes by which it is divided.
 
 use super::error::SolveError;
 use super::interface::{Form, Interface, ReducedLoad};
@@ -11,15 +11,15 @@ use crate::cholesky::FactorError;
 use crate::element::packed;
 use crate::residual::{internal_magnitudes, residual};
 
-/// Residual of equilibrium and of the laws of points.
+/// Residual of nodal equilibrium and of the laws of contact points.
 #[derive(Clone, Default)]
 pub(super) struct Residual {
-    /// f − Ku − Gᵀr (3n,); zero at held dofs.
+    /// Residual of equilibrium f − Ku − Gᵀr (3n,); zero at held dofs.
     pub(super) imbalance: Vec<f64>,
-    /// s₀ − g·u + (r − r₀)/k (m,): distance in travel from each point to the line of its piece, with (s₀, r₀) on that
-    /// line and k its slope.
+    /// Residual of the laws s₀ − g·u + (r − r₀)/k (m,): distance in travel from each point to the line of its piece.
+    /// (s₀, r₀) is a point on this line and k its slope.
     pub(super) violation: Vec<f64>,
-    /// Largest entry of `imbalance`; a couple counts as couple/arm.
+    /// Largest magnitude in `imbalance`; a couple counts as couple/arm.
     pub(super) worst: f64,
 }
 
@@ -28,12 +28,12 @@ impl Residual {
         Self::from(problem, load, solution, &solution.piece)
     }
 
-    /// The residual on the given pieces instead of the solution's.
+    /// The residual of a solution on the contact state `pieces` instead of its own contact state.
     pub(super) fn from(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, pieces: &[u8]) -> Self {
         Self { violation: violation(problem, solution, pieces), ..Self::of_forces(problem, load, solution) }
     }
 
-    /// The residual of equilibrium alone.
+    /// The residual of equilibrium alone; `violation` is empty.
     pub(super) fn of_forces(problem: &ContactProblem, load: &[f64], solution: &ContactSolution) -> Self {
         let mut imbalance = residual(&problem.plate, &problem.springs, load, &solution.displacement);
         problem.points.scatter_all(&solution.reaction, -1.0, &mut imbalance);
@@ -42,8 +42,8 @@ impl Residual {
         Self { imbalance, violation: Vec::new(), worst }
     }
 
-    /// Residuals divided by their reference sizes: equilibrium, then the laws of points whose force depends on the
-    /// travel.
+    /// Residuals divided by their reference sizes: first equilibrium (3n values), then the laws of those points whose
+    /// force depends on the travel.
     pub(super) fn scaled(&self, problem: &ContactProblem, sizes: &Sizes, pieces: &[u8]) -> Vec<f64> {
         let couple = sizes.force * problem.scale.arm;
         let forces = self.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / couple, f[2] / couple]);
@@ -51,7 +51,7 @@ impl Residual {
         forces.chain(holding.map(|i| self.violation[i] / sizes.travel[i])).collect()
     }
 
-    /// Whether the residual is small enough for a solution. Where no force acts, every finite residual is accepted. The
+    /// Whether the residual of a solution is small enough. If no force acts, every finite residual is accepted. The
     /// reference force is at least `least`.
     pub(super) fn is_solved(
         &self,
@@ -72,7 +72,7 @@ impl Residual {
 }
 
 impl ContactSolution {
-    /// Returns an error if the residual is too large, or some number is NaN or infinite.
+    /// The solution, or an error if its residual is too large or one of its numbers is NaN or infinite.
     pub(super) fn require_solved(
         self,
         problem: &ContactProblem,
@@ -83,7 +83,7 @@ impl ContactSolution {
         if residual.is_solved(problem, load, &self, least) { self.require_finite() } else { Err(SolveError::Unsolved) }
     }
 
-    /// Sets the gaps from the residuals of the laws.
+    /// Sets the gaps of points on horizontal pieces from the residuals of their laws; other gaps become 0.
     pub(super) fn measure_gaps(&mut self, points: &Points, residual: &Residual) {
         for (i, gap) in self.gap.iter_mut().enumerate() {
             *gap = if points.piece(i, self.piece[i]).holds() { 0.0 } else { residual.violation[i] };
@@ -91,18 +91,18 @@ impl ContactSolution {
     }
 }
 
-/// Reference sizes of a residual: one force, and a travel for each point.
+/// Reference sizes by which a residual is divided: one force, and a travel (m,) for each contact point.
 pub(super) struct Sizes {
     pub(super) force: f64,
     travel: Vec<f64>,
 }
 
 impl Sizes {
-    /// Reference sizes from a solution; the reference force is at least `least`.
+    /// Reference sizes for the residual of a solution; the reference force is at least `least`.
     pub(super) fn of(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> Self {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
         let force = match acting(problem, load, solution, least) {
-            // Without load and reactions: the magnitude of the terms of the internal forces.
+            // Without load and reactions, the reference force is the magnitude of the terms of the internal forces.
             0.0 => or_one(rounding(problem, solution) / f64::EPSILON),
             force => force,
         };
@@ -126,7 +126,7 @@ impl ContactProblem {
     }
 }
 
-/// s₀ − g·u + (r − r₀)/k (m,) of each point on its piece.
+/// For each point (m,), s₀ − g·u + (r − r₀)/k on its piece in `pieces`, see [`Residual::violation`].
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
@@ -138,15 +138,15 @@ fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]
     travel
 }
 
-/// Largest force among a load and reactions; a couple counts as couple/arm.
+/// Largest magnitude of the nodal forces `load` and of the reactions; a couple counts as couple/arm.
 pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[f64]) -> f64 {
     let forces = reaction.iter().zip(&problem.points.arm).map(|(reaction, arm)| reaction.abs() / arm);
     forces.fold(problem.scale.largest(load), f64::max)
 }
 
-/// Reference force, at least `least`. Without a load it is also at least the force that bends the plate by its
-/// deflection or by the distance of points whose force depends on the travel. Reactions of springs that just touch are
-/// rounding relative to it.
+/// Reference force of a solution, at least `least`. Without load it is also at least the plate's stiffness times the
+/// largest reference travel of points whose force depends on the travel. Reactions of springs that just touch are
+/// rounding relative to this force.
 fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> f64 {
     let force = largest_force(problem, load, &solution.reaction).max(least);
     if force == 0.0 || load.iter().any(|&f| f != 0.0) {
@@ -159,30 +159,31 @@ fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, le
     force.max(problem.scale.stiffness * farthest)
 }
 
-/// Reference travel (m,) of each point: the largest deflection, or its shift if that is larger. A distant stop does not
-/// change the scale of other points.
+/// Reference travel (m,) of each point: the largest deflection of a node, or the gap of the point if that is larger. A
+/// point with a large gap does not change the reference of other points.
 pub(super) fn lengths(problem: &ContactProblem, solution: &ContactSolution) -> Vec<f64> {
     let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
     let shifts = problem.points.shift.iter().zip(&problem.points.arm);
     shifts.map(|(shift, arm)| shift.abs().max(deflection / arm)).collect()
 }
 
-/// Least reference length, far below the deflection under the load. It applies where the plate hardly deflects.
+/// Smallest reference length: `NIL` times the sum of the forces, divided by the stiffness D/a² of the plate. It matters
+/// only if the plate hardly deflects.
 pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     let springs = &problem.springs;
     let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
     tolerances::NIL * (problem.scale.sum(load) + settled) / problem.scale.stiffness
 }
 
-/// Rounding error of the internal forces, as a force.
+/// Rounding error of the largest internal nodal force; a couple counts as couple/arm.
 pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     let mut internal = internal_magnitudes(&problem.plate, &solution.displacement);
     problem.release_held(&mut internal);
     f64::EPSILON * problem.scale.largest(&internal)
 }
 
-/// Largest force with which an element can resist the prescribed displacements. Where no other load acts, rounding is
-/// relative to it.
+/// Largest force with which an element can resist the prescribed displacements `held_value` (3n,). If no load acts,
+/// this force is the reference for rounding.
 pub(super) fn force_of_settlements(problem: &ContactProblem, held_value: &[f64]) -> f64 {
     let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { problem.scale.size };
     let moved = held_value.iter().enumerate().fold(0.0, |most: f64, (dof, v)| most.max(v.abs() * size(dof)));

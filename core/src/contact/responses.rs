@@ -1,10 +1,11 @@
-//! Responses to single load cases and to single contact points; the solution of a combination is a linear combination
-//! of these.
+//! Responses to single load cases and to single contact points. The solution of a combination is a linear combination
+//! of these responses.
 //!
-//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, with u₀ the response without load, u_c that to load case c, and u_i that to
-//! contact point i. Reactions and displacements of points are the same sums. Each response is in equilibrium: Ku + Gᵀr
-//! = f. If the rows of G select single dofs, x_i is the displacement of point i, and load cases act with all points
-//! fixed. Otherwise x_i is the force δ·Gu − r of point i, and load cases act on K̃.
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, with u₀ the response without load, u_c the response to load case c, and u_i the
+//! response to contact point i. Reactions and displacements of points are the same sums. Each response is in
+//! equilibrium: Ku + Gᵀr = f. If each row of G selects a single dof, x_i is the displacement of point i, and load cases
+//! act with all points fixed. Otherwise x_i is the force δ·Gu − r of point i, and load cases act on K̃ = K + Gᵀ diag(δ)
+//! G.
 
 use super::error::{SolveError, require_length};
 use super::interface::{Form, Interface, Work};
@@ -17,48 +18,48 @@ use crate::residual::residual;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// One response, refined with the double-double residual.
+/// The response to one load case or to one contact point, refined with double-double residuals.
 #[derive(Clone, Debug, Default)]
 pub struct Response {
     pub displacement: Displacement,
-    /// Reaction r of each contact point (m,).
+    /// Reaction r (m,) of each contact point in this response.
     pub reaction: Vec<f64>,
-    /// Displacement Gu of each contact point (m,).
+    /// Displacement Gu (m,) of each contact point in this response.
     pub moved: Vec<f64>,
     pub work: Work,
 }
 
-/// Number of responses refined in one block, for which the factor is read once.
+/// Number of responses that are refined together, so that the factor is read once for all of them.
 const TOGETHER: usize = 8;
-/// Largest number of corrections of a response.
+/// Largest number of corrections of each response.
 const CORRECTIONS: usize = 8;
 
-/// A response during refinement.
+/// A response during its refinement.
 struct Draft<'a> {
-    /// Nodal forces (3n,), and the reference force of the residual.
+    /// Nodal forces (3n,) that act (`force`), and the reference force of the residual (`acting`).
     force: Vec<f64>,
     acting: f64,
     springs: &'a Springs,
-    /// Stiffness (m,) at the points that the response includes.
+    /// Stiffness δ (m,) of the springs at the contact points.
     carried: &'a [f64],
-    /// The contact point i with x_i = 1, all other x being 0; `None` in the response to a load case.
+    /// The contact point i for which x_i = 1, all other x being 0; `None` in the response to a load case.
     point: Option<usize>,
     response: Response,
     imbalance: Vec<f64>,
-    /// Imposed displacement minus Gu (m,); empty where no displacements are imposed.
+    /// Prescribed displacement minus Gu (m,) of each point; empty if displacements of points are not prescribed.
     remaining: Vec<f64>,
     worst: f64,
     settled: bool,
 }
 
-/// Solver of the responses of a condensed plate.
+/// Computes the responses of a condensed plate.
 struct Responses<'a> {
     problem: &'a ContactProblem,
     interface: &'a Interface,
 }
 
 impl ContactProblem {
-    /// The response without load: held dofs at `held_value` (3n,), springs at their bases.
+    /// The response without load: held dofs have the values `held_value` (3n,), and springs are at their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, SolveError> {
         require_length("held_value", held_value.len(), self.plate.dof_count())?;
         let begin = |_, draft: &mut Draft| {
@@ -67,7 +68,8 @@ impl ContactProblem {
         Ok(self.responder()?.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
-    /// The response to each nodal load (3n,). `watch` is called repeatedly and cancels by returning false.
+    /// The response to each nodal load (3n,), with held dofs and bases of springs at zero. `watch` is called repeatedly
+    /// and cancels by returning false.
     pub fn load_responses(
         &self,
         loads: &[Vec<f64>],
@@ -84,7 +86,8 @@ impl ContactProblem {
         responder.responses(loads.len(), false, begin, watch)
     }
 
-    /// The response of each contact point in the range `points`; `watch` as for [`ContactProblem::load_responses`].
+    /// The response to each contact point in the range `points`. `watch` is called as in
+    /// [`ContactProblem::load_responses`].
     pub fn point_responses(
         &self,
         points: std::ops::Range<usize>,
@@ -110,13 +113,13 @@ impl ContactProblem {
 }
 
 impl Responses<'_> {
-    /// Whether x is the displacement of the points, so that it is imposed.
+    /// Whether the factors x are displacements of the points, which are then prescribed. Otherwise they are forces.
     fn imposed(&self) -> bool {
         self.interface.better_form() == Form::Stiffness
     }
 
-    /// Makes `count` responses from the initial values set by `begin`, and refines them. Springs are at their bases if
-    /// `on_bases`, otherwise at zero.
+    /// Makes `count` responses and refines them; `begin(i, draft)` sets the load of response i. The bases of springs
+    /// have their values if `on_bases` is true, otherwise zero.
     fn responses(
         &self,
         count: usize,
@@ -174,10 +177,10 @@ impl Responses<'_> {
         Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
     }
 
-    /// Computes the residual of equilibrium, and of the imposed displacements.
+    /// Computes the residuals of equilibrium and of prescribed displacements, and stores them in `draft`.
     fn judge(&self, draft: &mut Draft) {
         let Response { displacement, reaction, .. } = &draft.response;
-        // Before the first correction only held dofs have a displacement.
+        // Before the first correction all displacements are zero, except those of held dofs.
         let moved = displacement.hi.iter().chain(&draft.springs.base).any(|&u| u != 0.0);
         let mut out = if moved {
             residual(&self.problem.plate, draft.springs, &draft.force, displacement)
@@ -199,7 +202,7 @@ impl Responses<'_> {
         draft.imbalance = out;
     }
 
-    /// Corrects each response that has not converged.
+    /// Corrects every response in `drafts` that has not converged.
     fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
         let factor = &self.problem.base.factor;
         let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();

@@ -5,11 +5,11 @@ use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 
-/// A small matrix as a list of rows.
+/// A small matrix in double-double, as a list of rows.
 pub(super) type Matrix = Vec<Vec<DoubleDouble>>;
 
-/// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors (3n,), with (x₀, y₀) the centre and a the size of
-/// the plate.
+/// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors (3n,). (x₀, y₀) is the centre of the bounding box
+/// of all plates, a its longer side.
 pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
@@ -23,8 +23,8 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// The rigid motion (w, θx, θy at the centre) of each component that is nearest, in least squares, to the values of its
-/// held dofs; `None` if all these values are zero.
+/// For each component, the rigid motion (w, θx, θy at the centre) that is nearest to the prescribed values of its held
+/// dofs in least squares. `None` if all these values are zero.
 pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> Option<Vec<[f64; 3]>> {
     if (0..held.len()).all(|dof| !held[dof] || value[dof] == 0.0) {
         return None;
@@ -48,13 +48,14 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// Result of an elimination with complete pivoting.
+/// Result of an elimination of a symmetric matrix with pivots chosen by size.
 pub(super) struct Eliminated {
-    /// Unknowns; unconstrained ones are zero.
+    /// Unknowns (n,) of the equations; unconstrained ones are zero.
     pub(super) unknown: Vec<f64>,
-    /// Smallest accepted pivot.
+    /// Smallest pivot that counts as nonzero.
     pub(super) least: f64,
-    /// Largest magnitude of the right-hand side at an unconstrained unknown.
+    /// Largest magnitude of the right-hand side in the equations without a pivot. It is 0 if the equations have a
+    /// solution.
     pub(super) unbalanced: f64,
 }
 

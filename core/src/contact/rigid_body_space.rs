@@ -1,8 +1,9 @@
-//! Rigid motions R of plates without held dofs, as separate unknowns (the coarse space of FETI, Farhat & Roux 1991).
+//! Rigid motions R of plates without held dofs, solved for as separate unknowns (coarse space of FETI, Farhat & Roux
+//! 1991).
 //!
-//! Where the springs are soft relative to the plate, elimination of K gives rigid motions to few digits, and adding
-//! them in double precision strains the plate by their rounding. Therefore they are computed from the resultants on
-//! each plate, and added exactly.
+//! If springs are soft relative to the plate, elimination of K gives only a few digits of the rigid motions. Adding
+//! these motions in double precision would strain the plate by rounding. Therefore they are computed from the
+//! resultants on each plate, and added in double-double.
 
 use super::points::Points;
 use super::rigid::{Matrix, eliminated, rigid_motions};
@@ -12,27 +13,28 @@ use crate::plate::Plate;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// Number of points in one parallel chunk.
+/// Number of contact points in one parallel chunk.
 const CHUNK: usize = 8192;
 
-/// The rigid motions R of all plates without a held dof: three per plate, n in total. Lengths are divided by the size
-/// of the plate.
+/// The rigid motions R of all plates without a held dof: three for each plate, n in total. Lengths in R are divided by
+/// the size of the plate.
 pub(super) struct RigidBodySpace {
     size: f64,
-    /// Values at each dof of the three motions of its plate.
+    /// Three nodal vectors: at each dof, the values of the three rigid motions of the plate that has the dof.
     pub(super) nodal: [Vec<f64>; 3],
-    /// Index of the first motion of the plate of each node, and of each component; `None` where the plate has a held
-    /// dof.
+    /// For each node, and for each component, the index in R of the first motion of its plate. `None` if the plate has
+    /// a held dof.
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
-    /// GR of contact points (m, n) and of springs, row by row.
+    /// Product of the rows of G with R, (m, n), for the contact points (`points`) and for the springs (`springs`), row
+    /// by row.
     points: Vec<f64>,
     springs: Vec<f64>,
 }
 
 impl RigidBodySpace {
-    /// Makes the space; `None` where every plate has a held dof.
+    /// Makes the space of rigid motions; `None` if every plate has a held dof.
     pub(super) fn on(plate: &Plate, held: &[bool], scale: &Scale, points: &Points, springs: &Springs) -> Option<Self> {
         let components = plate.components();
         let mut of_component = vec![Some(0); components.count()];
@@ -54,7 +56,7 @@ impl RigidBodySpace {
         Some(rigid_space)
     }
 
-    /// Product of sparse rows with R: (rows, n), row by row.
+    /// Product (rows, n) of sparse rows with R, row by row.
     fn arms<R: Iterator<Item = (usize, f64)>>(&self, rows: usize, row: impl Fn(usize) -> R) -> Vec<f64> {
         let mut arms = vec![0.0; self.count * rows];
         for (i, arm) in arms.chunks_exact_mut(self.count).enumerate() {
@@ -66,17 +68,18 @@ impl RigidBodySpace {
         arms
     }
 
-    /// Row i of GR of the contact points (n,).
+    /// Row i (n,) of GR for the contact points: displacement of point i in each of the n rigid motions.
     pub(super) fn of_point(&self, i: usize) -> &[f64] {
         &self.points[self.count * i..self.count * (i + 1)]
     }
 
-    /// Rows of GR of the springs, each (n,).
+    /// Rows of GR for the springs, each (n,): displacement of a spring in each of the n rigid motions.
     pub(super) fn of_springs(&self) -> impl Iterator<Item = &[f64]> {
         self.springs.chunks_exact(self.count)
     }
 
-    /// Projected stiffness RᵀGᵀkGR (n, n), with k the stiffness of points and springs; k = 0 at open points.
+    /// Projected stiffness RᵀGᵀkGR (n, n). k is `of_points(i)` for contact point i (0 if the point is open) and
+    /// `of_springs` for the springs.
     pub(super) fn projected_stiffness(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> Matrix {
         let n = self.count;
         let zeros = || vec![vec![DoubleDouble::default(); n]; n];
@@ -86,7 +89,7 @@ impl RigidBodySpace {
                 (0..=j).for_each(|k| held[j][k].add_product(root * arm[j], root * arm[k]));
             }
         };
-        // Chunks are summed in order, so that the sum does not depend on the number of threads.
+        // Chunks are added in order, so that the sum does not depend on the number of threads.
         let of_chunk = |(chunk, arms): (usize, &[f64])| {
             let mut held = zeros();
             let stiffness = arms.chunks_exact(n).enumerate().map(|(i, arm)| (arm, of_points(CHUNK * chunk + i)));
@@ -103,12 +106,12 @@ impl RigidBodySpace {
         matrix
     }
 
-    /// Smallest accepted pivot of the projected stiffness.
+    /// Smallest nonzero pivot of the projected stiffness: the stiffness against the softest rigid motion.
     pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> f64 {
         eliminated(self.projected_stiffness(of_points, of_springs), vec![DoubleDouble::default(); self.count]).least
     }
 
-    /// Resultants Rᵀf of nodal forces (n,).
+    /// Resultants Rᵀf (n,) of nodal forces f (3n,) on the plates.
     pub(super) fn resultants(&self, nodal: &[f64]) -> Vec<DoubleDouble> {
         let mut sums = vec![DoubleDouble::default(); self.count];
         for (dof, &force) in nodal.iter().enumerate() {
@@ -118,7 +121,7 @@ impl RigidBodySpace {
         sums
     }
 
-    /// The motion (w, θx, θy at the centre) of each component, for amounts (n,) of the motions R.
+    /// The rigid motion (w, θx, θy at the centre) of each component, from the amounts (n,) of the motions R.
     pub(super) fn motion(&self, amount: &[f64]) -> Vec<[f64; 3]> {
         let of = |first: usize| [amount[first], amount[first + 1] / self.size, amount[first + 2] / self.size];
         self.of_component.iter().map(|first| first.map_or([0.0; 3], of)).collect()

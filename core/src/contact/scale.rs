@@ -1,16 +1,17 @@
-//! Reference forces and lengths, from the plate's dimensions. They do not depend on units or numbering.
+//! Reference forces and lengths, computed from the plate's dimensions and rigidity. Comparisons by them do not depend
+//! on units or numbering.
 
 use crate::plate::Plate;
 
-/// Reference sizes of a plate.
+/// Reference sizes of all plates of a problem together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// Centre of the bounding box, and its longer side a.
+    /// Centre of the bounding box of the plates (`centre`), and its longer side a (`size`).
     pub(super) centre: [f64; 2],
     pub(super) size: f64,
-    /// Root-mean-square element size, rounded to a power of two: the lever arm that converts a nodal couple to a force.
+    /// Root-mean-square element size, rounded to a power of two. A nodal couple divided by this arm counts as a force.
     pub(super) arm: f64,
-    /// D/a²: of the order of the plate's stiffness under a point load.
+    /// D/a², force/length: of the order of the stiffness of the plate under a point load.
     pub(super) stiffness: f64,
 }
 
@@ -30,19 +31,19 @@ impl Scale {
         Self { centre, size, arm, stiffness: rigidity / (size * size) }
     }
 
-    /// Largest nodal force; a couple counts as couple/arm.
+    /// Largest magnitude of nodal forces (3n,); a couple counts as couple/arm.
     pub(super) fn largest(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let of_node = |f: &[f64]| f[0].abs().max(of_couples * f[1].abs().max(f[2].abs()));
         nodal.chunks_exact(3).fold(0.0, |most: f64, f| most.max(of_node(f)))
     }
 
-    /// Sum of the magnitudes of nodal forces; a couple counts as couple/size.
+    /// Sum of the magnitudes of nodal forces (3n,); a couple counts as couple/size.
     pub(super) fn sum(&self, nodal: &[f64]) -> f64 {
         nodal.chunks_exact(3).map(|f| f[0].abs() + (f[1].abs() + f[2].abs()) / self.size).sum()
     }
 
-    /// Euclidean norm of nodal forces; a couple counts as couple/arm.
+    /// Euclidean norm of nodal forces (3n,); a couple counts as couple/arm.
     pub(super) fn length(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);
@@ -50,12 +51,12 @@ impl Scale {
     }
 }
 
-/// Largest magnitude of the values.
+/// Largest magnitude of `values`; 0 for an empty list.
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Euclidean norm.
+/// Euclidean norm of a vector.
 pub(super) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }

@@ -6,53 +6,55 @@ use super::system::System;
 use crate::displacement::Displacement;
 use std::sync::Arc;
 
-/// Progress of a solve after one step, for the callback.
+/// Progress of a solve after one step, as it is passed to the callback.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
-    /// Number of points that changed their piece in this step.
+    /// Number of contact points that changed their piece in this step.
     pub changing: usize,
-    /// Largest nodal residual divided by the largest nodal force.
+    /// Newton method: largest nodal force of the residual, divided by the largest force. Lemke's algorithm: artificial
+    /// variable, divided by its first value.
     pub residual: f64,
 }
 
-/// Callback after every step; it returns false to cancel the solve.
+/// Callback that is called after every step; it returns false to cancel the solve.
 pub type Watch<'a> = dyn FnMut(Progress) -> bool + 'a;
 
-/// Displacements, reactions and gaps of one load.
+/// Displacements, reactions, gaps and contact state under one load.
 #[derive(Clone, Default)]
 pub struct ContactSolution {
     pub displacement: Displacement,
-    /// Reaction r (m,): Ku + Gᵀr = f.
+    /// Reaction r (m,) of each contact point, with Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
-    /// Travel (m,) from each point to the reference vertex of its horizontal piece; 0 on other pieces.
+    /// Travel (m,) from each point on a horizontal piece to the reference vertex of this piece; 0 on other pieces.
     pub gap: Vec<f64>,
-    /// Piece of each point (m,).
+    /// For each point (m,), the number of the piece of its law on which the point is.
     pub piece: Vec<u8>,
     pub pivots: usize,
-    /// Number of Newton steps.
+    /// Number of Newton steps of the solve.
     pub iterations: usize,
-    /// Number of conjugate gradient steps in all Newton steps.
+    /// Number of conjugate gradient steps, summed over all Newton steps.
     pub gradients: usize,
-    /// Number of factorizations after the first one.
+    /// Number of factorizations during the solve, without the factorization of the problem itself.
     pub factorizations: usize,
-    /// Number of steps of iterative refinement.
+    /// Number of corrections by iterative refinement.
     pub corrections: usize,
-    /// Last factor of the Newton method, for a warm start.
+    /// Last factor of the Newton method. The solve of another load can start with this factor.
     pub(super) system: Option<Arc<System>>,
-    /// Number of conjugate gradient steps with this factor. When they have cost as much as a factorization, the next
-    /// solve factors its contact state.
+    /// Number of conjugate gradient steps with the factor `system`. If these steps have cost as much as a
+    /// factorization, the next solve factors its contact state.
     pub(super) spent: usize,
 }
 
 impl ContactSolution {
-    /// Returns an error if some number is NaN or infinite.
+    /// The solution, or an error if one of its numbers is NaN or infinite.
     pub(super) fn require_finite(self) -> Result<Self, SolveError> {
         let mut numbers = self.displacement.hi.iter().chain(&self.reaction).chain(&self.gap);
         if numbers.all(|value| value.is_finite()) { Ok(self) } else { Err(SolveError::Unsolved) }
     }
 
-    /// Sets the pieces (m,). A point on a horizontal piece gets the force of that piece.
+    /// Sets the contact state `pieces` (m,). The reaction of a point on a horizontal piece becomes the force of this
+    /// piece.
     pub(super) fn put_on(&mut self, points: &Points, pieces: Vec<u8>) {
         for (i, reaction) in self.reaction.iter_mut().enumerate() {
             let piece = points.piece(i, pieces[i]);
@@ -67,7 +69,7 @@ impl ContactSolution {
         PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
-    /// Moves the solution linearly towards `other`, by `part` of the difference.
+    /// Adds `part` times the difference to `other` to displacements, reactions and gaps.
     pub(super) fn towards(&mut self, other: &Self, part: f64) {
         for i in 0..self.displacement.hi.len() {
             let (from, to) = (self.displacement.at(i), other.displacement.at(i));
@@ -80,7 +82,7 @@ impl ContactSolution {
     }
 }
 
-/// Points at which two contact states differ.
+/// Indices of the points whose pieces differ between two contact states.
 pub(super) fn differing(one: &[u8], other: &[u8]) -> Vec<usize> {
     (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

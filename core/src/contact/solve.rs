@@ -12,18 +12,19 @@ use super::residual::Residual;
 use super::scale::largest;
 use super::solution::{ContactSolution, Watch};
 
-/// Settings of a solve.
+/// Settings of [`ContactProblem::solve`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
-    /// The form of the LCP of condensed points; `None` takes the better conditioned form. The Newton method has no LCP.
+    /// The form of the LCP of condensed points; `None` selects the better conditioned form. The Newton method has no
+    /// LCP and ignores it.
     pub form: Option<Form>,
 }
 
 impl ContactProblem {
     /// Solves one load by the method for which the plate is factored.
     ///
-    /// `start` is the solution of another load. It gives the first contact state; the Newton method also starts from
-    /// its displacements and reactions.
+    /// `start` is the solution of another load. Its contact state is the first trial; the Newton method also starts
+    /// from its displacements and reactions.
     pub fn solve(
         &self,
         load: &Load,
@@ -44,7 +45,7 @@ impl ContactProblem {
         }
     }
 
-    /// Solves one load on a fixed contact state `pieces` (m,). Points may violate the bounds of their pieces.
+    /// Solves one load on a fixed contact state `pieces` (m,). Points may be beyond the bounds of their pieces.
     pub fn solve_on(&self, load: &Load, pieces: &[u8]) -> Result<ContactSolution, SolveError> {
         load.require_lengths(self)?;
         require_length("pieces", pieces.len(), self.points.len())?;
@@ -55,11 +56,9 @@ impl ContactProblem {
         fixed_state::solve_on(self, &mut *fixed_state::kkt(self), load, pieces, None, 0.0)
     }
 
-    /// Residuals of a solution: nodal forces (3n,) relative to the largest force, and violations of the laws (m,). A
-    /// violation in force is relative to the largest force or to the force that bends the plate, a violation in travel
-    /// to the largest travel.
-    ///
-    /// It calls no solver.
+    /// Residuals of a solution, without a call of a solver: residual nodal forces (3n,) divided by the largest force,
+    /// and violations of the laws (m,). A violation in force is divided by the largest force (load, reaction, or the
+    /// force that bends the plate), a violation in travel by the largest travel.
     pub fn violations(&self, load: &[f64], solution: &ContactSolution) -> (Vec<f64>, Vec<f64>) {
         let residual = Residual::of(self, load, solution);
         let travel = self.points.travel_from(&vec![0.0; self.points.len()], &solution.displacement);
@@ -81,7 +80,8 @@ impl ContactProblem {
         (residual.imbalance.iter().map(|f| f / force).collect(), points)
     }
 
-    /// Solves one load and factors its contact state, for warm starts; `None` if that state leaves a rigid motion free.
+    /// Solves one load by the Newton method and factors its contact state, for warm starts. `None` if this contact
+    /// state leaves a rigid motion free.
     pub fn solve_and_factor(&self, load: &Load, watch: &mut Watch<'_>) -> Result<Option<ContactSolution>, SolveError> {
         load.require_lengths(self)?;
         match &self.backend {
@@ -92,8 +92,8 @@ impl ContactProblem {
         }
     }
 
-    /// Solves many loads (3n,) as [`ContactProblem::solve`], by the Newton method. `watch` is called repeatedly and
-    /// cancels by returning false.
+    /// Solves many loads, each (3n,), by the Newton method. Each result is as from [`ContactProblem::solve`]. `watch`
+    /// is called repeatedly and cancels by returning false.
     pub fn solve_together(
         &self,
         start: Option<&ContactSolution>,
@@ -111,7 +111,7 @@ impl ContactProblem {
         }
     }
 
-    /// The first LCP that [`ContactProblem::solve`] poses for condensed points, and its q (k,).
+    /// The first LCP that [`ContactProblem::solve`] poses for condensed points: its template with M, and its q (k,).
     pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<(&LcpTemplate, Vec<f64>), SolveError> {
         load.require_lengths(self)?;
         let interface = self.condensed()?;

@@ -1,4 +1,4 @@
-//! The factor of K with springs at some points, and its sparsity pattern.
+//! The factor of K with springs at some contact points, and the sparsity pattern of this factor.
 
 use super::points::Points;
 use super::tolerances;
@@ -11,43 +11,43 @@ use crate::rows::Springs;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-/// The spring, point or shear force that a multiplier row belongs to.
+/// The source of a multiplier row: a spring, a contact point, or a shear force of a thin element.
 #[derive(Clone, Copy)]
 enum RowKind {
     Spring(usize),
     Point(usize),
-    /// Shear force of a thin element; the number is its compliance.
+    /// A shear force of a thin element; the number is its compliance 1/k.
     Shear(f64),
 }
 
-/// The sparsity pattern that all factors of a plate share: numbering of columns, and multiplier rows.
+/// The sparsity pattern that all factors of a problem share: numbering of columns, and multiplier rows.
 ///
-/// Springs on deflections of one or two elements may be assembled with the element matrices. Every other spring has a
-/// multiplier row: its force is an unknown, and the matrix is quasi-definite.
+/// Springs on the deflections of one or two elements can be assembled with the element matrices. Every other spring has
+/// a multiplier row: the spring force is an unknown, and the matrix is quasi-definite.
 pub(super) struct KktPattern {
     pub(super) numbering: Numbering,
     kinds: Vec<RowKind>,
-    /// Whether the row of each point is a multiplier row.
+    /// For each contact point, whether its row of G is a multiplier row.
     is_multiplier_row: Vec<bool>,
-    /// Every multiplier row with infinite compliance, so that it has no force.
+    /// All multiplier rows, each with infinite compliance and so without force.
     absent: Vec<MultiplierRow>,
-    /// Springs on the dofs of one or two elements.
+    /// The elastic supports (springs) whose rows have dofs of one or two elements.
     narrow: Springs,
     bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,
 }
 
-/// A factor of K with springs.
+/// A factor of K with springs at contact points.
 pub(super) struct System {
     pub(super) factor: Factor,
-    /// Stiffness (m,) of the spring that the factor has at each point.
+    /// Stiffness (m,) of the spring that K has at each contact point in this factor.
     pub(super) carried: Vec<f64>,
     pub(super) pattern: Arc<KktPattern>,
 }
 
 impl KktPattern {
-    /// Numbers the dofs, with those marked `trailing` last. `has_multiplier(i)` is true if point i has a multiplier
-    /// row.
+    /// Makes the pattern. Dofs marked `trailing` (3n,) get the last columns. `has_multiplier(i)` is true if contact
+    /// point i has a multiplier row.
     pub(super) fn new(
         plate: &Plate,
         held: &[bool],
@@ -94,8 +94,8 @@ impl KktPattern {
         }
     }
 
-    /// Factors K with the spring stiffness `carried` (m,) at the points, and with a relative shift `diagonal_shift` of
-    /// the diagonal. Refuses a factor of more than `room` bytes before it is begun.
+    /// Factors K with springs of stiffness `carried` (m,) at the contact points. The diagonal of K is increased by the
+    /// relative amount `diagonal_shift`. A factor of more than `room` bytes is refused before it is begun.
     pub(super) fn factored(
         self: &Arc<Self>,
         plate: &Plate,
@@ -130,7 +130,8 @@ impl KktPattern {
         };
         analysis.require_room(room)?;
         let factor = analysis.factorize(&matrix)?;
-        // If some point has no spring, the supports may leave a rigid motion free. Elements of q8r have mechanisms.
+        // If a contact point has no spring, the supports may leave a rigid motion free. Elements q8r have zero-energy
+        // modes.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
@@ -140,12 +141,12 @@ impl KktPattern {
         Ok(System { factor, carried, pattern: self.clone() })
     }
 
-    /// Gathers a nodal load (3n,) in elimination order, without held dofs.
+    /// Gathers a nodal load (3n,) by column of the factor; held dofs have no column.
     pub(super) fn gather(&self, load: &[f64]) -> Vec<f64> {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()
     }
 
-    /// Scatters a displacement in elimination order to a nodal vector (3n,); held dofs are zero.
+    /// Scatters displacements by column of the factor to a nodal vector (3n,); held dofs are zero.
     pub(super) fn scatter(&self, ordered: &[f64], dofs: usize) -> Vec<f64> {
         let mut out = vec![0.0; dofs];
         for (&dof, &value) in self.numbering.dof.iter().zip(ordered).filter(|(dof, _)| **dof < dofs) {
@@ -155,13 +156,13 @@ impl KktPattern {
         out
     }
 
-    /// The columns of the factor that belong to multipliers.
+    /// The columns of the factor that belong to multiplier rows.
     pub(super) fn multiplier_rows(&self, dofs: usize) -> HashSet<usize> {
         let columns = self.numbering.dof.iter().enumerate();
         columns.filter(|(_, dof)| **dof >= dofs).map(|(column, _)| column).collect()
     }
 
-    /// The rows of G as (column of the factor, coefficient), without held dofs.
+    /// The rows of G, each a list of (column of the factor, coefficient), without held dofs.
     pub(super) fn rows(&self, points: &Points) -> Vec<Vec<(usize, f64)>> {
         let row = |i| points.row(i).map(|(dof, coefficient)| (self.numbering.column[dof], coefficient));
         (0..points.len()).map(|i| row(i).filter(|entry| entry.0 != HELD).collect()).collect()
@@ -169,7 +170,7 @@ impl KktPattern {
 }
 
 impl System {
-    /// Displacements (3n,) under nodal forces.
+    /// Displacements (3n,) under nodal forces (3n,), with held dofs at zero.
     pub(super) fn solve(&self, force: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut ordered = self.pattern.gather(force);
         self.factor.forward(&mut ordered)?;

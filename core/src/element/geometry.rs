@@ -1,4 +1,4 @@
-//! The map from the reference square, or triangle, to an element of eight nodes.
+//! The map from the reference square, or the reference triangle, to an element of eight nodes.
 
 use super::number::Number;
 use super::quadrature::{GAUSS_3, radon, square};
@@ -6,11 +6,12 @@ use super::shape::{Shape, serendipity, triangular};
 use std::ops::Mul;
 use std::sync::LazyLock;
 
-/// Coordinates of the eight nodes relative to the first one: of one element, or of several elements in SIMD lanes.
+/// Coordinates of an element's eight nodes relative to its first node. T is f64 for one element, or has a SIMD lane for
+/// each of several elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T = f64> {
     pub at: [[T; 2]; 8],
-    /// Whether it is a triangle, stored with its third corner repeated (`mitc7`).
+    /// Whether the element is a triangle, stored with its third corner repeated (`mitc7`).
     pub triangle: bool,
 }
 
@@ -19,18 +20,19 @@ pub struct Jacobian<T = f64> {
     pub shape: Shape<8>,
     /// ∂(x, y)/∂(ξ, η): row 0 has the derivatives with respect to ξ, row 1 with respect to η.
     pub tangent: [[T; 2]; 2],
-    /// ∂(ξ, η)/∂(x, y): ∂f/∂x_a = Σ_b inverse[a][b] ∂f/∂ξ_b.
+    /// ∂(ξ, η)/∂(x, y), with ∂f/∂x_a = Σ_b inverse[a][b] ∂f/∂ξ_b for any function f.
     pub inverse: [[T; 2]; 2],
     pub determinant: T,
 }
 
 impl Geometry {
-    /// Largest |x| or |y| of a node relative to the first node.
+    /// Largest |x| or |y| of an element's nodes relative to its first node.
     pub fn size(&self) -> f64 {
         self.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
     }
 
-    /// Whether det J ≤ 0 at one of the 3×3 Gauss points, or of a triangle's seven integration points.
+    /// Whether the Jacobian determinant is ≤ 0 at one of the 3×3 Gauss points of a quadrilateral, or of the seven
+    /// integration points of a triangle.
     pub fn is_inverted(&self) -> bool {
         static SQUARE: LazyLock<Vec<Shape<8>>> =
             LazyLock::new(|| square(GAUSS_3).map(|(xi, eta, _)| serendipity(xi, eta)).collect());
@@ -45,7 +47,7 @@ impl<T: Number> Geometry<T> {
         self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
     }
 
-    /// Jacobian from shape functions that are known already.
+    /// The Jacobian at the reference point at which `shape` has been evaluated.
     #[inline(always)]
     pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian<T> {
         let mut t = [[self.at[0][0].like(0.0); 2]; 2];

@@ -1,20 +1,21 @@
-//! The kinds of element, and the points at which each needs its section.
+//! The kinds of element, and the points at which an element of each kind needs its section.
 
 use super::quadrature::{GAUSS_2, GAUSS_3, radon, square};
 use std::sync::LazyLock;
 
-/// A kind of element.
+/// A kind of plate element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Bathe, Brezzi & Fortin (1989): mixed interpolation, free of locking. Its triangles are mitc7.
+    /// Bathe, Brezzi & Fortin (1989): mixed interpolation, free of locking. Triangles of this kind are mitc7.
     Mitc9,
-    /// Hinton & Owen (1977): serendipity functions for w and θ, uniform 2×2 integration. Locks in thin plates.
+    /// Hinton & Owen (1977): serendipity functions for w and θ, uniform 2×2 integration. This element locks in thin
+    /// plates.
     Q8r,
 }
 
 impl Kind {
     /// Points (ξ, η, weight) at which an element needs its section: the integration points of its stiffness, then the
-    /// stress samples with weight 0. In q8r the integration points are the stress samples. ξ runs fastest.
+    /// four stress samples with weight 0. In q8r the integration points are also the stress samples. ξ runs fastest.
     pub fn points(self) -> &'static [(f64, f64, f64)] {
         static MITC9: LazyLock<Vec<(f64, f64, f64)>> =
             LazyLock::new(|| square(GAUSS_3).chain(square(GAUSS_2).map(|(xi, eta, _)| (xi, eta, 0.0))).collect());
@@ -25,8 +26,8 @@ impl Kind {
         }
     }
 
-    /// [`Kind::points`] of a triangle or a quadrilateral; both have equally many. Triangles sample stress at three
-    /// points of a rule exact to the second degree, and at the centroid.
+    /// [`Kind::points`] of a triangle or of a quadrilateral; their number is the same. A triangle samples stress at
+    /// three points of a rule that is exact to the second degree, and at the centroid.
     pub fn points_of(self, triangle: bool) -> &'static [(f64, f64, f64)] {
         const NEAR: f64 = 1.0 / 6.0;
         const FAR: f64 = 2.0 / 3.0;
@@ -39,7 +40,7 @@ impl Kind {
         if triangle && self == Self::Mitc9 { &MITC7 } else { self.points() }
     }
 
-    /// Index of the first of the four points at which stress is sampled.
+    /// Index, in [`Kind::points`], of the first of the four points at which stress is sampled.
     pub fn first_sample(self) -> usize {
         self.points().len() - 4
     }

@@ -1,9 +1,10 @@
 //! MITC7 on the 6-node triangle (Bathe, Brezzi & Fortin 1989, Int. J. Num. Meth. Eng. 28, 1787–1801).
 //!
-//! The deflection has the six quadratic functions; rotations have these and the cubic bubble, whose two rotations are
-//! condensed. The covariant shear lies in γr ∈ span{1, r, s} + s(a r + b s), γs ∈ span{1, r, s} − r(a r + b s): eight
-//! parameters. It is tied to ∇w − θ: at two Gauss points of each edge (tangential component) and in its two means over
-//! the reference triangle. With straight sides these are the means of the physical shear.
+//! The deflection has the six quadratic functions. Rotations have these and the cubic bubble, whose two rotations are
+//! condensed. The covariant shear lies in γr ∈ span{1, r, s} + s(a r + b s), γs ∈ span{1, r, s} − r(a r + b s), which
+//! has eight parameters. Eight tied values of ∇w − θ determine the shear: its tangential component at two Gauss points
+//! of each edge, and its two means over the reference triangle. With straight sides these means are those of the
+//! physical shear.
 //!
 //! A triangle is stored as an element of eight nodes whose side from the third to the fourth node is collapsed: corners
 //! a, b, c, c, then the midsides ab, bc, c, ca. The functions of the repeated c are zero.
@@ -17,7 +18,7 @@ use super::section::Section;
 use super::shape::{bubbled, triangular};
 use std::sync::LazyLock;
 
-/// Number of shear parameters of a triangle. Arrays have the length for the ten of a quadrilateral.
+/// Number of shear parameters of a triangle. Arrays have ten entries, as for a quadrilateral; the last two are unused.
 const NUMBERS: usize = 8;
 
 fn station(r: f64, s: f64, weight: f64) -> Station {
@@ -26,7 +27,7 @@ fn station(r: f64, s: f64, weight: f64) -> Station {
 
 static POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| radon().map(|(r, s, weight)| station(r, s, weight)));
 
-/// Tying points of the shear on the edges, with the direction of the edge.
+/// The six points on the edges at which the shear is tied, each with the direction of its edge in (r, s).
 static TYING_POINTS: LazyLock<[(Station, [f64; 2]); 6]> = LazyLock::new(|| {
     std::array::from_fn(|tie| {
         let t = if tie % 2 == 0 { 0.5 * (1.0 - GAUSS) } else { 0.5 * (1.0 + GAUSS) };
@@ -38,12 +39,12 @@ static TYING_POINTS: LazyLock<[(Station, [f64; 2]); 6]> = LazyLock::new(|| {
     })
 });
 
-/// The eight functions of (γr, γs): rows γr and γs.
+/// Values at (r, s) of the eight functions that span the covariant shear: a row for γr, a row for γs.
 fn functions(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     [[1.0, r, s, 0.0, 0.0, 0.0, r * s, s * s], [0.0, 0.0, 0.0, 1.0, r, s, -r * r, -r * s]]
 }
 
-/// Matrix from the tied values to the coefficients of the eight functions.
+/// Matrix that maps the eight tied values to the coefficients of the eight shear functions.
 static FROM_TIES: LazyLock<[[f64; NUMBERS]; NUMBERS]> = LazyLock::new(|| {
     let mut rows = [[0.0; 2 * NUMBERS]; NUMBERS];
     let mut add = |row: usize, at: &Station, along: [f64; 2], weight: f64| {
@@ -61,7 +62,7 @@ static FROM_TIES: LazyLock<[[f64; NUMBERS]; NUMBERS]> = LazyLock::new(|| {
     inverted(rows)
 });
 
-/// A⁻¹ from the rows of [A | 1], by Gauss–Jordan elimination.
+/// A⁻¹ by Gauss–Jordan elimination; `rows` has the rows of [A | 1].
 fn inverted(mut rows: [[f64; 2 * NUMBERS]; NUMBERS]) -> [[f64; NUMBERS]; NUMBERS] {
     for k in 0..NUMBERS {
         let pivot = (k..NUMBERS).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs())).expect("rows are left");
@@ -76,7 +77,7 @@ fn inverted(mut rows: [[f64; 2 * NUMBERS]; NUMBERS]) -> [[f64; NUMBERS]; NUMBERS
     rows.map(|row| std::array::from_fn(|k| row[NUMBERS + k]))
 }
 
-/// Matrix from the tied values to γr and γs at (r, s).
+/// Matrix that maps the eight tied values to γr and γs at (r, s).
 fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     functions(r, s).map(|parts| {
         let mut sum = [0.0; NUMBERS];
@@ -87,7 +88,7 @@ fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     })
 }
 
-/// Rows over all dofs that give the eight tied values: six on the edges, two means.
+/// Rows over all dofs that give the eight tied values: six values on the edges, then two means.
 #[inline(always)]
 fn ties<T: Number>(geometry: &Geometry<T>) -> [[T; ALL_DOFS]; NUMBERS] {
     let number = |value: f64| geometry.at[0][0].like(value);
@@ -102,7 +103,8 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[T; ALL_DOFS]; NUMBERS] {
     rows
 }
 
-/// κ = sym ∇θ from seven nodes and the tied shear γ, in x and y, at each given point (r, s).
+/// Strain–displacement matrices at the points `at` (r, s): κ = sym ∇θ from the seven rotation functions, and the tied
+/// shear γ in x and y.
 pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     let rows = ties(geometry);
     at.map(|(r, s)| {
@@ -119,9 +121,9 @@ pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N])
     })
 }
 
-/// Rows over all dofs that give the mean of the tied shear over the element, in x and y.
+/// Rows over all dofs that give the mean over the element of the tied shear γ, in x and y.
 ///
-/// In elements larger than the thickness, only the mean of a triangle's shear is accurate.
+/// If a triangle is larger than the thickness, only this mean of its shear is accurate.
 pub fn mean_shear(geometry: &Geometry) -> [[f64; ALL_DOFS]; 2] {
     let points = radon();
     let mut mean = [[0.0; ALL_DOFS]; 2];
@@ -136,13 +138,14 @@ pub fn mean_shear(geometry: &Geometry) -> [[f64; ALL_DOFS]; 2] {
     mean.map(|row| row.map(|value| value / area))
 }
 
-/// Bending at the seven points, where the sections are given; shear as a quadratic form in the eight tied values.
+/// Data of a triangle with bending and shear separate: bending at the seven integration points, at which `section` is
+/// evaluated, and shear as a quadratic form in the eight tied values.
 #[inline(always)]
 pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Apart<T> {
     let zero = geometry.at[0][0].like(0.0);
     let mut form = [[zero; 2 * TIES]; 2 * TIES];
     let mut points = [Point::none(zero); 9];
-    // Loops, since the closures of array functions would be calls.
+    // Plain loops are inlined here; closures of array functions would be function calls.
     for (k, at) in POINTS.iter().enumerate() {
         let jacobian = geometry.jacobian_of(at.shape);
         points[k] = Point::of(&jacobian, at, jacobian.determinant * (0.5 * at.weight), section(k));
@@ -160,7 +163,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
             }
         }
     }
-    // Unused diagonal entries get a positive value, so that the form has an inverse.
+    // The unused diagonal entries are set to a positive value, so that the form has an inverse.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
     let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));

@@ -1,10 +1,11 @@
 //! MITC9 on the 8-node mesh (Bathe, Brezzi & Fortin 1989, Int. J. Num. Meth. Eng. 28, 1787–1801).
 //!
-//! The deflection has the eight serendipity functions, rotations the nine of Lagrange. The covariant shear lies in γξ ∈
-//! span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}. It is tied to ∇w − θ: at the two Gauss points of each edge
-//! (tangential component), and as a vector (x, y) in its mean over the quadrilateral of the corners. Constant shear
-//! then does the exact work on every quadrilateral; with means of γξ, γη over the reference square it would on
-//! parallelograms only. On curved sides, means over the true element have errors up to eight times larger.
+//! The deflection has the eight serendipity functions, rotations the nine Lagrange functions. The covariant shear lies
+//! in γξ ∈ span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}. Tied values of ∇w − θ determine the shear: its
+//! tangential component at the two Gauss points of each edge, and its mean vector (x, y) over the quadrilateral of the
+//! corners. Constant shear then does the exact work on every quadrilateral; with means of γξ, γη over the reference
+//! square this would hold on parallelograms only. On curved sides, means over the true element have errors up to eight
+//! times larger.
 
 use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
@@ -19,15 +20,16 @@ pub(super) const TIES: usize = 5;
 pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 pub(super) const CENTRE: usize = DOFS;
 
-/// Tying point on an edge of component `a` (0: γξ, 1: γη): at ±1/√3 along the component's direction, at ±1 across it.
+/// Reference point of tie 0 to 3 of the shear component γξ (`component` 0) or γη (1). The point is at ±1/√3 along the
+/// direction of the component and at ±1 across it, on an edge.
 fn tying_point(component: usize, tie: usize) -> (f64, f64) {
     let along = if tie % 2 == 0 { -GAUSS } else { GAUSS };
     let across = if tie < 2 { -1.0 } else { 1.0 };
     if component == 0 { (along, across) } else { (across, along) }
 }
 
-/// Interpolation of a component from its four edge values and its mean over the reference square. `along` is ξ for γξ
-/// and η for γη; `across` is the other coordinate.
+/// Weights of the four edge values and of the mean over the reference square in the interpolated γξ or γη. `along` is ξ
+/// for γξ and η for γη; `across` is the other coordinate.
 #[inline(always)]
 fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     let bubble = 0.75 * (across * across - 1.0);
@@ -43,7 +45,7 @@ fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     ]
 }
 
-/// Shape functions of w (`shape`) and θ (`rotation`) at one reference point, and its integration weight.
+/// A reference point with its integration weight, and the shape functions of w (`shape`) and of θ (`rotation`) there.
 pub(super) struct Station {
     pub(super) xi: f64,
     pub(super) eta: f64,
@@ -58,13 +60,13 @@ impl Station {
     }
 }
 
-/// The 3×3 Gauss points.
+/// The 3×3 Gauss points of a quadrilateral.
 static GAUSS_POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| {
     let mut points = square(GAUSS_3).map(|(xi, eta, weight)| Station::new(xi, eta, weight));
     std::array::from_fn(|_| points.next().expect("nine points"))
 });
 
-/// The four tying points of each component.
+/// For γξ and for γη, the four points on edges at which the component is tied.
 static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
     std::array::from_fn(|component| {
         std::array::from_fn(|tie| {
@@ -74,7 +76,8 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
     })
 });
 
-/// Adds to `row` the component of ∇w − θ along a direction in reference coordinates, at one point.
+/// Adds to `row` the coefficients, over all dofs, of the component of ∇w − θ along a direction in reference
+/// coordinates, at the point `at`.
 #[inline(always)]
 pub(super) fn add_shear_along<T: Number>(
     row: &mut [T; ALL_DOFS],
@@ -100,8 +103,8 @@ pub(super) fn add_shear_along<T: Number>(
     row[CENTRE + 1] -= ty * at.rotation.value[8];
 }
 
-/// Rows over all dofs that give the five parameters of each covariant component: four tied values on the edges, and the
-/// parameter that makes the mean exact.
+/// Rows over all dofs that give the five parameters of γξ, and of γη: four tied values on the edges, and the parameter
+/// that makes the mean exact.
 #[inline(always)]
 fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let number = |value: f64| geometry.at[0][0].like(value);
@@ -125,7 +128,7 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let [xi, eta] = rows.each_mut();
     for dof in 0..ALL_DOFS {
         let change = |row: &[[T; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
-        // Contribution of the edge values to the mean.
+        // The part of the mean shear that the edge values determine.
         let edges = (change(xi) - change(eta)) / number(12.0 * GAUSS);
         xi[4][dof] -= skew[0] * edges;
         eta[4][dof] -= skew[1] * edges;
@@ -133,7 +136,8 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     rows
 }
 
-/// Skew ratios p = a × c / a × b and q = b × c / a × b of the quadrilateral of the corners; zeros for a parallelogram.
+/// Skew ratios p = a × c / a × b and q = b × c / a × b of the quadrilateral of the corners. Both are zero for a
+/// parallelogram.
 ///
 /// The quadrilateral has the tangents a + cη along ξ and b + cξ along η. The scalar products of a and b with the
 /// physical shear times det J are a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη).
@@ -148,7 +152,8 @@ fn skew<T: Number>(geometry: &Geometry<T>) -> [T; 2] {
     [cross(a, c), cross(b, c)].map(|part| part / cross(a, b))
 }
 
-/// κ = sym ∇θ from nine nodes and the tied shear γ, in x and y, at each given point (ξ, η).
+/// Strain–displacement matrices at the points `at` (ξ, η): κ = sym ∇θ from the nine rotation functions, and the tied
+/// shear γ in x and y.
 pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     let rows = ties(geometry);
     at.map(|(xi, eta)| strain_matrix(geometry, &rows, xi, eta))
@@ -167,7 +172,7 @@ fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f
     strain
 }
 
-/// Rows of κ from the gradients of the nine rotation functions; the shear rows are zero.
+/// Rows of κ from the gradients of the nine rotation functions in x and y; the rows of shear are zero.
 pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
     let mut strain = [[0.0; ALL_DOFS]; 5];
     for (i, [x, y]) in gradient.into_iter().enumerate() {
@@ -180,12 +185,12 @@ pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
     strain
 }
 
-/// Data for bending at one integration point.
+/// Data of one integration point for the bending stiffness.
 #[derive(Clone, Copy)]
 pub(super) struct Point<T = f64> {
     /// Gradients of the nine rotation functions in x and y.
     pub(super) gradient: [[T; 2]; 9],
-    /// Integration weight times det J.
+    /// Integration weight of the point times det J.
     pub(super) scale: T,
     pub(super) section: Section<T>,
 }
@@ -207,8 +212,8 @@ impl<T: Number> Point<T> {
     }
 }
 
-/// An element with bending and shear kept separate: bending at the integration points, shear as a quadratic form `form`
-/// in the tied values. `rows` (over all dofs) give the tied values.
+/// Data of an element with bending and shear separate: bending at the integration points (`points`), shear as a
+/// quadratic form in the tied values (`form`). `rows` give the tied values from all dofs.
 pub(super) struct Apart<T = f64> {
     pub(super) points: [Point<T>; 9],
     pub(super) form: [[T; 2 * TIES]; 2 * TIES],
@@ -216,12 +221,12 @@ pub(super) struct Apart<T = f64> {
 }
 
 impl<T: Number> Apart<T> {
-    /// Forms the data of a quadrilateral from its sections at the 3×3 points.
+    /// Makes the data of a quadrilateral; `section(k)` is its section at Gauss point k of 3×3.
     #[inline(always)]
     pub(super) fn of(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Self {
         let zero = geometry.at[0][0].like(0.0);
         let (mut form, mut points) = ([[zero; 2 * TIES]; 2 * TIES], [Point::none(zero); 9]);
-        // Loops, since the closures of array functions would be calls.
+        // Plain loops are inlined here; closures of array functions would be function calls.
         for k in 0..9 {
             let station = &GAUSS_POINTS[k];
             let (xi, eta) = (station.xi, station.eta);
@@ -254,7 +259,7 @@ impl<T: Number> Apart<T> {
         Self { points, form, rows }
     }
 
-    /// Lower triangle of the bending stiffness over all dofs.
+    /// Lower triangle, over all dofs, of the bending stiffness of the element.
     #[inline(always)]
     pub(super) fn bending(&self) -> [[T; ALL_DOFS]; ALL_DOFS] {
         let mut full = [[self.points[0].scale.like(0.0); ALL_DOFS]; ALL_DOFS];
@@ -265,7 +270,7 @@ impl<T: Number> Apart<T> {
     }
 }
 
-/// Stiffness: bending plus the shear form in the tied values; the centre rotations are condensed.
+/// Element stiffness: bending plus the quadratic form of shear, with the centre rotations condensed.
 #[inline(always)]
 pub(super) fn stiffness<T: Number>(apart: &Apart<T>) -> Stiffness<T> {
     let mut full = apart.bending();
@@ -279,7 +284,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };
         let (x, y) = (point.scale * gradient[i][0], point.scale * gradient[i][1]);
-        // Moments of a unit slope at the node, in x and in y.
+        // Moments [mxx, myy, mxy], times weight, for a unit slope θx and for a unit slope θy of the node.
         let (mut first, mut second) = ([x; 3], [y; 3]);
         for a in 0..3 {
             first[a] = bending[a][0] * x + bending[a][2] * y;
@@ -296,7 +301,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     }
 }
 
-/// Adds a quadratic form in the tied values to the lower triangle of the stiffness over all dofs.
+/// Adds rowsᵀ · form · rows, the shear stiffness, to the lower triangle `full` of the stiffness over all dofs.
 #[inline(always)]
 pub(super) fn add_shear<T: Number>(
     full: &mut [[T; ALL_DOFS]; ALL_DOFS],
@@ -324,7 +329,7 @@ pub(super) fn add_shear<T: Number>(
     }
 }
 
-/// Eliminates the two centre rotations; only the lower triangle of `full` is read.
+/// Eliminates the two centre rotations from the stiffness `full` over all dofs, of which the lower triangle is read.
 #[inline(always)]
 pub(super) fn condense<T: Number>(full: &[[T; ALL_DOFS]; ALL_DOFS]) -> Stiffness<T> {
     let [a, b, d] = [full[CENTRE][CENTRE], full[CENTRE + 1][CENTRE], full[CENTRE + 1][CENTRE + 1]];

@@ -1,7 +1,7 @@
 //! Plate elements: the 8-node quadrilateral with 24 dofs, node by node (deflection w, slopes θx, θy), and the 6-node
 //! triangle, stored as a quadrilateral with a collapsed side (`mitc7`).
 //!
-//! An element may have two rotations at an inner centre node; they are condensed and are not dofs of the mesh. Strains
+//! An element may have two rotations at a centre node inside; they are condensed and are no dofs of the mesh. Strains
 //! are [κxx, κyy, 2κxy, γx, γy] with κ = sym ∇θ and γ = ∇w − θ.
 
 pub mod geometry;
@@ -25,14 +25,14 @@ use pulp::{Arch, Simd, WithSimd};
 pub use section::{Layered, Material, Materials, Section, Sections, Thickness};
 use shape::serendipity;
 
-/// Largest number of f64 lanes in a vector register.
+/// Largest number of f64 values that a vector register holds.
 const MOST_LANES: usize = 8;
 
-/// An element: geometry, material, sections.
+/// Geometry, material and sections of an element.
 pub type Made<'a> = (Geometry, &'a Material, Sections<'a>);
 
-/// Computes the stiffness of each element and calls `put` with the element's index. Elements of mitc9 are computed in
-/// SIMD lanes.
+/// Computes the stiffness of each element and calls `put(index of the element, stiffness)`. Elements of kind mitc9 are
+/// computed several at a time, one in each SIMD lane.
 pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stiffness)) {
     if kind == Kind::Q8r {
         for (at, (geometry, material, sections)) in elements.iter().enumerate() {
@@ -46,7 +46,8 @@ pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stif
     }
 }
 
-/// Computes the stiffness of the elements `which`, all triangles or all quadrilaterals, in SIMD lanes.
+/// Computes the stiffness of the elements with the indices `which`, several at a time in SIMD lanes. All of them are
+/// triangles, or all are quadrilaterals.
 struct SideBySide<'a, P> {
     triangle: bool,
     which: &'a [usize],
@@ -61,7 +62,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { triangle, which, elements, put } = self;
         for which in which.chunks(S::F64_LANES) {
-            // Unused lanes repeat the last element.
+            // Lanes without an element repeat the last element.
             let of = |lane: usize| &elements[which[lane.min(which.len() - 1)]];
             let zero = Lanes::of(simd, |_| 0.0);
             let mut geometry = Geometry { at: [[zero; 2]; 8], triangle };
@@ -113,7 +114,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
     }
 }
 
-/// Strain matrices of an element at reference points.
+/// Strain–displacement matrices of an element at the reference points `at`.
 pub fn strain_matrices<const N: usize>(kind: Kind, geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     match kind {
         Kind::Mitc9 if geometry.triangle => mitc7::strain_matrices(geometry, at),
@@ -122,7 +123,8 @@ pub fn strain_matrices<const N: usize>(kind: Kind, geometry: &Geometry, at: [(f6
     }
 }
 
-/// Values of the nine rotation functions at a reference point (the ninth is zero for an element without a centre).
+/// Values of the nine rotation functions at a reference point. The ninth value is zero if the element has no centre
+/// node.
 pub fn rotation_functions(kind: Kind, triangle: bool, xi: f64, eta: f64) -> [f64; 9] {
     match kind {
         Kind::Mitc9 if triangle => shape::bubbled(xi, eta).value,
@@ -135,7 +137,8 @@ pub fn rotation_functions(kind: Kind, triangle: bool, xi: f64, eta: f64) -> [f64
     }
 }
 
-/// Work-equivalent forces ∫ Bᵀ D κ⁰ of the stress-free curvature `[κxx, κyy, κxy]`, over [`ALL_DOFS`].
+/// Work-equivalent forces ∫ Bᵀ D κ⁰ of the stress-free curvature κ⁰ = `[κxx, κyy, κxy]`, over all dofs of an element
+/// ([`ALL_DOFS`]).
 pub fn curvature_load(
     kind: Kind,
     geometry: &Geometry,

@@ -1,10 +1,10 @@
-//! Scalar types for element matrices: a number, or a number for each of several elements in SIMD lanes.
+//! Types of numbers in element matrices: one f64, or a SIMD register with one f64 for each of several elements.
 
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A number, or a number for each of several elements. A lane has the same bits as the computation of that element
-/// alone.
+/// One number, or one number for each of several elements. The bits of an element do not depend on the elements in
+/// other lanes.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -16,7 +16,7 @@ pub trait Number:
     + AddAssign
     + SubAssign
 {
-    /// `value` in every lane.
+    /// A number of the same type with `value` in every lane.
     fn like(self, value: f64) -> Self;
 }
 
@@ -27,7 +27,7 @@ impl Number for f64 {
     }
 }
 
-/// A vector register with one number for each element.
+/// A vector register that has one number for each element.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd> {
     simd: S,

@@ -1,14 +1,14 @@
 //! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977).
 //!
-//! Its first side may be collapsed to a node c: [c, c, a, b, c, ca, ab, bc]. The map is singular at c only, and all
-//! Gauss points are inside. Assembly sums the three entries of c.
+//! The first side of an element may be collapsed to a node c: [c, c, a, b, c, ca, ab, bc]. The map is singular at c
+//! only, and all Gauss points are inside. Assembly sums the entries of the three positions of c.
 
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, add_energy, packed};
 use super::quadrature::{GAUSS_2, square};
 use super::section::Section;
 
-/// κ = sym ∇θ and γ = ∇w − θ at (ξ, η), with the serendipity functions for w and θ.
+/// Strain–displacement matrix at (ξ, η) for κ = sym ∇θ and γ = ∇w − θ, with the serendipity functions for w and θ.
 pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
     let jacobian = geometry.jacobian(xi, eta);
     let mut strain = [[0.0; ALL_DOFS]; 5];
@@ -27,7 +27,7 @@ pub fn strain_matrix(geometry: &Geometry, xi: f64, eta: f64) -> StrainMatrix {
     strain
 }
 
-/// ∫ Bᵀ C B by the 2×2 rule, from the sections at its points.
+/// Element stiffness ∫ Bᵀ C B by the 2×2 Gauss rule; `sections` has the rigidities C at its points.
 pub fn stiffness(geometry: &Geometry, sections: [Section; 4]) -> Stiffness {
     let mut full = [0.0; PACKED];
     for ((xi, eta, weight), section) in square(GAUSS_2).zip(sections) {

@@ -1,19 +1,19 @@
-//! Sections of a plate at one point: thickness and rigidities.
+//! Materials, thicknesses, and sections of a plate: bending and shear rigidities at one point.
 
 use super::kind::Kind;
 use super::number::Number;
 
-/// A linear elastic material, isotropic or anisotropic.
+/// A linear elastic material of a plate, isotropic or anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    /// Largest Young's modulus; it scales forces.
+    /// Largest Young's modulus of the material over all directions, for reference forces.
     pub young: f64,
-    /// Rigidities of a plate of thickness 1.
+    /// Rigidities of a plate of this material with thickness 1.
     pub unit: Section,
 }
 
 impl Material {
-    /// Isotropic material; `shear_factor` is κ in the shear rigidity κGh.
+    /// Makes an isotropic material; `shear_factor` is κₛ in the shear rigidity κₛGh.
     pub const fn isotropic(young: f64, poisson: f64, shear_factor: f64) -> Self {
         let d = young / (12.0 * (1.0 - poisson * poisson));
         let (coupled, twist) = (d * poisson, d * 0.5 * (1.0 - poisson));
@@ -22,19 +22,19 @@ impl Material {
         Self { young, unit: Section { bending, shear: [[s, 0.0], [0.0, s]] } }
     }
 
-    /// Smaller of the bending rigidities in x and y; Eh³/12(1−ν²) if isotropic.
+    /// Smaller of the bending rigidities in x and y; D = Eh³/12(1−ν²) if the material is isotropic.
     pub fn bending_rigidity(&self, thickness: f64) -> f64 {
         let unit = &self.unit.bending;
         unit[0][0].min(unit[1][1]) * thickness.powi(3)
     }
 
-    /// Larger of the shear rigidities in x and y; κGh if isotropic.
+    /// Larger of the shear rigidities in x and y; S = κₛGh if the material is isotropic.
     pub fn shear_rigidity(&self, thickness: f64) -> f64 {
         let unit = &self.unit.shear;
         unit[0][0].max(unit[1][1]) * thickness
     }
 
-    /// Rigidities for a thickness h: bending times h³, shear times h.
+    /// Section for a thickness h: bending rigidities of thickness 1 times h³, shear rigidities times h.
     #[inline(always)]
     pub fn section(&self, thickness: f64) -> Section {
         let cube = thickness * thickness * thickness;
@@ -45,11 +45,11 @@ impl Material {
     }
 }
 
-/// Materials of a plate, and the material of each element.
+/// The materials of a plate, with the index of each element's material.
 #[derive(Clone, Debug)]
 pub struct Materials {
     all: Vec<Material>,
-    /// Index into `all` for each element; empty if there is one material.
+    /// Index of each element's material in `all`; empty if there is one material.
     of: Vec<u32>,
 }
 
@@ -60,7 +60,7 @@ impl From<Material> for Materials {
 }
 
 impl Materials {
-    /// Several materials, and for each element the index of its material.
+    /// Makes the materials `all`; `of` has, for each element, the index of its material.
     pub const fn several(all: Vec<Material>, of: Vec<u32>) -> Self {
         Self { all, of }
     }
@@ -77,7 +77,7 @@ impl Materials {
         &self.all
     }
 
-    /// Whether all elements refer to existing materials.
+    /// Whether the indices of materials fit `elements` elements and refer to existing materials.
     pub fn fit(&self, elements: usize) -> bool {
         let of_each = self.of.len() == elements && self.of.iter().all(|&number| (number as usize) < self.all.len());
         of_each || (self.of.is_empty() && self.all.len() == 1)
@@ -89,7 +89,8 @@ impl Materials {
     }
 }
 
-/// Rigidities: `bending` maps [κxx, κyy, 2κxy] to [mxx, myy, mxy], `shear` maps [γx, γy] to [qx, qy].
+/// Rigidities of a plate at a point: `bending` maps [κxx, κyy, 2κxy] to [mxx, myy, mxy], `shear` maps [γx, γy] to [qx,
+/// qy].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section<T = f64> {
     pub bending: [[T; 3]; 3],
@@ -109,7 +110,7 @@ impl<T: Number> Section<T> {
 }
 
 impl Section {
-    /// Whether both matrices are symmetric, finite and positive definite.
+    /// Whether both rigidity matrices are symmetric, finite and positive definite.
     pub fn resists(&self) -> bool {
         let ([[a, b, c], [_, d, e], [_, _, f]], [[s, t], [_, u]]) = (self.bending, self.shear);
         let symmetric = (0..3).all(|i| (0..i).all(|j| self.bending[i][j] == self.bending[j][i]));
@@ -122,26 +123,26 @@ impl Section {
     }
 }
 
-/// Thickness of a plate at the points of its elements, see [`Kind::points`].
+/// Thickness of a plate at the points of its elements at which sections are needed, see [`Kind::points`].
 #[derive(Clone, Debug)]
 pub enum Thickness {
     Constant(f64),
     Varying {
-        /// Thickness at each point, element by element.
+        /// Thickness at each point of each element, element by element.
         at_points: Vec<f64>,
         layered: Layered,
     },
 }
 
-/// Sections of the elements inside which the thickness jumps, at each of their points.
+/// Sections of those elements inside which the thickness jumps, at each of their points, element by element.
 #[derive(Clone, Debug, Default)]
 pub struct Layered {
-    /// Numbers of these elements, in increasing order.
+    /// Indices of the elements inside which the thickness jumps, in increasing order.
     pub element: Vec<usize>,
     pub section: Vec<Section>,
 }
 
-/// Sections of one element, at each of its points.
+/// Sections of one element at each of its points: by one thickness, by thicknesses, or directly.
 #[derive(Clone, Copy, Debug)]
 pub enum Sections<'a> {
     Constant(f64),
@@ -172,7 +173,7 @@ impl Thickness {
         }
     }
 
-    /// All thicknesses; an element in which the thickness jumps has its thicknesses at points too.
+    /// All thicknesses, including those at the points of elements in which the thickness jumps.
     pub fn all(&self) -> &[f64] {
         match self {
             Self::Constant(thickness) => std::slice::from_ref(thickness),
@@ -188,7 +189,7 @@ impl Thickness {
         self.all().iter().copied().fold(0.0, f64::max)
     }
 
-    /// Smallest thickness at an element's points.
+    /// Smallest thickness at the points of element e.
     pub fn least_of(&self, kind: Kind, e: usize) -> f64 {
         match self {
             Self::Constant(thickness) => *thickness,
@@ -199,7 +200,7 @@ impl Thickness {
         }
     }
 
-    /// Thickness at the first point of an element.
+    /// Thickness at the first point of element e.
     pub fn first(&self, kind: Kind, e: usize) -> f64 {
         match self {
             Self::Constant(thickness) => *thickness,

@@ -1,18 +1,18 @@
 //! Shape functions on the reference square [−1, 1]². Nodes: corners counter-clockwise from (−1, −1), midsides
 //! counter-clockwise from (0, −1), then (for nine nodes) the centre.
 
-/// Reference coordinates of the nine nodes; the serendipity functions belong to the first eight.
+/// Reference coordinates of the nine nodes. The serendipity functions belong to the first eight nodes.
 pub const NODES: [[f64; 2]; 9] =
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];
 
-/// Values and reference gradients of N shape functions at one point.
+/// Values of N shape functions and their gradients in reference coordinates at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape<const N: usize> {
     pub value: [f64; N],
     pub gradient: [[f64; 2]; N],
 }
 
-/// The 8-node serendipity functions (Ergatoudis, Irons & Zienkiewicz 1968).
+/// The 8-node serendipity functions at (ξ, η) (Ergatoudis, Irons & Zienkiewicz 1968).
 ///
 /// ```
 /// let shape = signorini_core::element::shape::serendipity(0.3, -0.4);
@@ -40,7 +40,7 @@ pub fn serendipity(xi: f64, eta: f64) -> Shape<8> {
     Shape { value, gradient }
 }
 
-/// The 9-node Lagrange functions.
+/// The 9-node Lagrange functions at (ξ, η).
 ///
 /// ```
 /// let centre = signorini_core::element::shape::lagrange(0.0, 0.0);
@@ -61,8 +61,9 @@ pub fn lagrange(xi: f64, eta: f64) -> Shape<9> {
     Shape { value, gradient }
 }
 
-/// The quadratic functions of the 6-node triangle at (r, s), 0 ≤ r, s, r + s ≤ 1. They are ordered as in an element
-/// whose third side is collapsed: corners a, b, c, c, midsides ab, bc, c, ca. The functions of the repeated c are zero.
+/// The quadratic functions of the 6-node triangle at (r, s), with r ≥ 0, s ≥ 0, r + s ≤ 1. Their order is that of an
+/// element whose third side is collapsed: corners a, b, c, c, midsides ab, bc, c, ca. The functions of the repeated c
+/// are zero.
 ///
 /// ```
 /// let shape = signorini_core::element::shape::triangular(0.3, 0.2);
@@ -87,13 +88,13 @@ pub fn triangular(r: f64, s: f64) -> Shape<8> {
     }
 }
 
-/// Whether the first side of an element is collapsed to one node.
+/// Whether the first side of an element is collapsed to one node (q8r only).
 pub fn is_collapsed(nodes: &[usize; 8]) -> bool {
     nodes[0] == nodes[1] && nodes[0] == nodes[4]
 }
 
-/// Shape functions by node: the three of a collapsed side are summed in its first position, so that each dof appears
-/// once.
+/// Values of the shape functions, summed by node: those of a collapsed side's three positions are added in the first
+/// position, so that each dof appears once.
 ///
 /// ```
 /// use signorini_core::element::shape::{gathered, serendipity};
@@ -108,8 +109,8 @@ pub fn gathered<const N: usize>(nodes: &[usize; 8], mut value: [f64; N]) -> [f64
     value
 }
 
-/// The functions of [`triangular`], corrected to vanish at the centroid, and the cubic bubble 27rs(1 − r − s) as the
-/// ninth.
+/// The functions of [`triangular`] at (r, s), corrected to vanish at the centroid. The ninth function is the cubic
+/// bubble 27rs(1 − r − s).
 pub fn bubbled(r: f64, s: f64) -> Shape<9> {
     let plain = triangular(r, s);
     let l = 1.0 - r - s;

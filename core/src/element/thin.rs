@@ -1,8 +1,9 @@
-//! Thin elements, mitc9 and mitc7, with bending and shear kept separate.
+//! Thin elements mitc9 and mitc7, with bending and shear kept separate.
 //!
-//! In the sum of both, bending is lost: shear is (ℓ/h)² times stiffer (element size ℓ, thickness h), and the rounding
-//! of its entries acts as a spurious bending stiffness. Here strains are formed first, in double-double, and forces
-//! from the strains. Rounding errors are then relative to the true moments and shears.
+//! If both were added in one matrix, bending would be lost: shear is (ℓ/h)² times stiffer (element size ℓ, thickness
+//! h), and the rounding of its entries acts as a spurious bending stiffness. Here strains are formed first, in
+//! double-double, and forces are computed from the strains. Rounding errors are then relative to the true moments and
+//! shears.
 
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED};
@@ -12,17 +13,18 @@ use super::section::{Material, Sections};
 use crate::double_double::DoubleDouble;
 use faer::{Mat, Side};
 
-/// Number of tied shears of an element.
+/// Number of tied values of the shear in an element.
 pub const SHEARS: usize = 2 * TIES;
 
-/// Number of corrections of the condensed centre rotations; each starts from the rounding error of the previous.
+/// Number of corrections of the condensed centre rotations. Each corrects the rounding error of the one before.
 const CENTRE_CORRECTIONS: usize = 2;
 
-/// If the ratio of shear to bending stiffness is larger, an element's matrix keeps fewer than eight digits of bending.
+/// If the ratio of shear to bending stiffness exceeds this value, an element's matrix keeps fewer than eight digits of
+/// bending.
 const BENDING_LOST: f64 = 1e8;
 
-/// Ratio of shear to bending stiffness over the width in the reduced matrix of a very thin element. It is large enough
-/// to constrain shear modes and small enough to keep the digits of bending.
+/// Ratio of shear stiffness to bending stiffness over the width, in the reduced matrix of a very thin element. The
+/// ratio is large enough to constrain shear modes and small enough to keep the digits of bending.
 const SOFT_SHEAR: f64 = 1.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
@@ -30,8 +32,8 @@ fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart 
     if geometry.triangle { mitc7::apart(geometry, section) } else { Apart::of(geometry, section) }
 }
 
-/// Lengths of an element along ξ and η at its centre. For a triangle: its longest side, and 4/√3 times its area over
-/// that side; both are equal if it is equilateral.
+/// Lengths of an element along ξ and η at its centre. For a triangle: its longest side, and 4/√3 times its area divided
+/// by this side. Both are equal if the triangle is equilateral.
 fn lengths(geometry: &Geometry) -> [f64; 2] {
     if geometry.triangle {
         let [a, b, c] = [0, 1, 2].map(|i| geometry.at[i]);
@@ -43,19 +45,20 @@ fn lengths(geometry: &Geometry) -> [f64; 2] {
     geometry.jacobian(0.0, 0.0).tangent.map(|[x, y]| 2.0 * x.hypot(y))
 }
 
-/// Longer over shorter of the two [`lengths`].
+/// Aspect ratio of an element: the longer of its two [`lengths`] divided by the shorter.
 fn aspect(geometry: &Geometry) -> f64 {
     let [a, b] = lengths(geometry);
     a.max(b) / a.min(b)
 }
 
-/// Plate size over thickness, times the aspect ratio of the element. Rounding errors of forces from the element's
-/// matrix grow with its square.
+/// Slenderness L/h of the plate times the aspect ratio of the element, with L = `size`, h = `thinnest`. Rounding errors
+/// of forces from the element's matrix grow with the square of this number.
 pub fn slenderness(geometry: &Geometry, thinnest: f64, size: f64) -> f64 {
     aspect(geometry) * size / thinnest
 }
 
-/// Compliance s in series with each tied shear; `None` if the matrix keeps enough digits of bending.
+/// Compliance s that is put in series with each tied shear; `None` if the matrix with the full shear keeps enough
+/// digits of bending.
 fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64> {
     let ([a, b], aspect) = (lengths(geometry), aspect(geometry));
     let rigidity = material.bending_rigidity(thinnest);
@@ -64,8 +67,8 @@ fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64
     (ratio * aspect * aspect > BENDING_LOST).then(|| 1.0 / (SOFT_SHEAR * across))
 }
 
-/// Packed matrix with reduced shear, for the factorization; `None` if the full shear leaves enough digits of bending.
-/// [`shear_springs`] returns the remaining shear.
+/// Packed matrix of an element with reduced shear, for the factorization. `None` if the matrix with the full shear
+/// keeps enough digits of bending. [`shear_springs`] returns the rest of the shear stiffness.
 pub fn factored_stiffness(
     geometry: &Geometry,
     material: &Material,
@@ -81,12 +84,12 @@ pub fn factored_stiffness(
     Some(condense(&full).packed)
 }
 
-/// The shear that [`factored_stiffness`] leaves out, as springs: rows over the nodal dofs, and compliances. The forces
-/// of the springs are unknowns of the system.
+/// The shear stiffness that [`factored_stiffness`] leaves out, as springs: for each, its row over the nodal dofs and
+/// its compliance. The forces of these springs are unknowns of the system.
 ///
 /// The shear stiffness is C⁻¹, where C includes the condensed centre rotations, and s is the compliance in series. The
-/// matrix has the part (C + s)⁻¹, the springs have C⁻¹ − (C + s)⁻¹ = (C + C²/s)⁻¹. Bending is not lost in either part,
-/// only in their sum.
+/// matrix has the part (C + s)⁻¹, the springs have C⁻¹ − (C + s)⁻¹ = (C + C²/s)⁻¹. Neither part loses bending in
+/// rounding; only their sum would.
 pub fn shear_springs(
     geometry: &Geometry,
     material: &Material,
@@ -104,7 +107,7 @@ pub fn shear_springs(
         alone[t][s] + turned.sum::<f64>()
     });
     let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
-    // Smaller eigenvalues are rounding errors of the centre rotations.
+    // Eigenvalues of C below this value are rounding errors of the condensed centre rotations.
     let least = f64::EPSILON * eigen.S()[SHEARS - 1];
     let row =
         |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
@@ -116,7 +119,7 @@ pub fn shear_springs(
     Some((0..SHEARS).map(spring).collect())
 }
 
-/// Inverse of a symmetric positive definite matrix by Cholesky factorization, scaled to a unit diagonal.
+/// Inverse of a symmetric positive definite matrix, scaled to a unit diagonal and factored by Cholesky's method.
 fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
     let unit: [f64; SHEARS] = std::array::from_fn(|t| 1.0 / form[t][t].sqrt());
     let mut lower = [[0.0; SHEARS]; SHEARS];
@@ -140,24 +143,25 @@ fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
         }
         (0..SHEARS).for_each(|i| out[i][column] = x[i] * unit[i] * unit[column]);
     }
-    // Both triangles must have the same bits.
+    // The result is made symmetric to the last bit.
     std::array::from_fn(|i| std::array::from_fn(|j| out[i.max(j)][i.min(j)]))
 }
 
-/// Strains of an element, and their moments and shear forces.
+/// Strains of a thin element, and the moments and shear forces that follow from them.
 pub struct Strains<'a> {
     apart: Apart,
     centre: &'a Centre,
-    /// [κxx, κyy, 2κxy] at the integration points, and the moments there times the integration weight.
+    /// `curvature` is [κxx, κyy, 2κxy] at the integration points; `moment` has the moments there, times integration
+    /// weight and det J.
     curvature: [[f64; 3]; 9],
     moment: [[f64; 3]; 9],
-    /// The tied shears, and the forces work-conjugate to them.
+    /// `shear` has the tied values of the shear strain; `force` has the forces that are work-conjugate to them.
     shear: [f64; SHEARS],
     force: [f64; SHEARS],
 }
 
 impl<'a> Strains<'a> {
-    /// Strains from nodal displacements without rigid motion.
+    /// Strains from nodal displacements without the rigid motion of the element's first node.
     pub fn of(
         geometry: &Geometry,
         material: &Material,
@@ -212,7 +216,7 @@ impl<'a> Strains<'a> {
         self.force = self.apart.form.map(|row| row.iter().zip(&self.shear).map(|(f, g)| f * g).sum());
     }
 
-    /// Residual couples on the centre rotations.
+    /// Couples on the two centre rotations by moments and shears. They are zero if the centre rotations are exact.
     fn centre_couple(&self) -> [f64; 2] {
         let mut couple = [0.0; 2];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -227,7 +231,7 @@ impl<'a> Strains<'a> {
         couple
     }
 
-    /// Nodal forces over the element's dofs.
+    /// Nodal forces of the element, over its 24 nodal dofs.
     pub fn nodal(&self) -> [f64; DOFS] {
         let mut out = [0.0; DOFS];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -239,7 +243,7 @@ impl<'a> Strains<'a> {
                 out[3 * i + 2] += y * yy + x * xy;
             }
         }
-        // The remaining couples at the centre are condensed.
+        // The couples on the centre rotations are small, but not zero; they are condensed to the nodes.
         let couple = self.centre_couple();
         for (j, out) in out.iter_mut().enumerate() {
             *out -= self.centre.coupling[0][j] * couple[0] + self.centre.coupling[1][j] * couple[1];
@@ -247,7 +251,7 @@ impl<'a> Strains<'a> {
         out
     }
 
-    /// Sums of the magnitudes of the terms in [`Strains::nodal`].
+    /// For each nodal dof, the sum of the magnitudes of the terms in [`Strains::nodal`].
     pub fn magnitude(&self) -> [f64; DOFS] {
         let mut out = [0.0; DOFS];
         for (row, form) in self.apart.rows.iter().zip(&self.apart.form) {
@@ -265,7 +269,7 @@ impl<'a> Strains<'a> {
         out
     }
 
-    /// Twice the strain energy.
+    /// Twice the strain energy of the element.
     pub fn twice_the_energy(&self) -> f64 {
         let bending =
             self.moment.iter().flatten().zip(self.curvature.iter().flatten()).map(|(m, k)| m * k).sum::<f64>();
@@ -273,13 +277,14 @@ impl<'a> Strains<'a> {
     }
 }
 
-/// Adds coefficient · u.
+/// Adds coefficient · u to `sum`, in double-double.
 fn add_product(sum: &mut DoubleDouble, coefficient: f64, u: DoubleDouble) {
     sum.add_product(coefficient, u.hi);
     sum.lo += coefficient * u.lo;
 }
 
-/// Adds to `[κxx, κyy, 2κxy]` the curvature of one node's slopes; `[x, y]` is the gradient of its shape function.
+/// Adds the curvature from one node's slopes to `[κxx, κyy, 2κxy]`. `[x, y]` is the gradient of the rotation function
+/// of this node.
 fn add_curvature([xx, yy, xy]: &mut [DoubleDouble; 3], [x, y]: [f64; 2], [along_x, along_y]: [DoubleDouble; 2]) {
     add_product(xx, x, along_x);
     add_product(yy, y, along_y);

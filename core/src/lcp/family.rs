@@ -1,4 +1,4 @@
-//! Many problems with the same M; all that does not depend on q is computed once.
+//! Many linear complementarity problems with the same M. Everything that does not depend on q is computed once.
 use std::borrow::Cow;
 
 use super::lemke::{End, default_max_pivots, follow_path};
@@ -7,8 +7,8 @@ use super::problem::{Lcp, LcpError, LcpStatus};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tolerances;
 
-/// Problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 with the same M. M is transformed to a given complementary basis, at
-/// which each path starts.
+/// Problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 with the same M and different q. M is transformed to a given
+/// complementary basis, at which the path of every problem starts.
 ///
 /// # Example
 /// ```
@@ -23,28 +23,28 @@ use super::tolerances;
 /// ```
 pub struct LcpFamily {
     scaling: Scaling,
-    /// The scaled problem at the slack basis; its q is not used.
+    /// The problem scaled for its tolerances, at the slack basis. Its q is not used.
     scaled: CoveredLcp<'static>,
     origin: Vec<bool>,
     basis: Basis,
-    /// Principal pivotal transform of M at `basis`.
+    /// Principal pivotal transform of the scaled M at `basis`, row-major.
     pivoted: Vec<f64>,
 }
 
-/// The complementary basis at which a path ended.
+/// The complementary basis at which the path of one problem ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LcpBasis {
     pub status: LcpStatus,
-    /// True if z_i is basic, so that w_i = 0; all false unless solved.
+    /// For each pair (m,), true if z_i is basic, so that w_i = 0. All entries are false unless the problem is solved.
     pub basis: Vec<bool>,
     pub pivots: usize,
 }
 
 impl LcpFamily {
-    /// Makes the family of problems with the matrix of `lcp`; its q determines only the scaling. `basis` is true where
-    /// z_i is basic. None if this basis is singular.
+    /// Makes the family of problems with the matrix of `lcp`, whose q determines only the scaling. `basis` (m,) is true
+    /// where z_i is basic. Returns `None` if this basis is singular.
     ///
-    /// If `basis` does not have m entries, or the transformed M does not fit into memory.
+    /// Returns an error if `basis` does not have m entries, or if the transformed M does not fit into memory.
     pub fn new(lcp: &Lcp, basis: &[bool]) -> Result<Option<Self>, LcpError> {
         lcp.check_length("basis", basis.len())?;
         let scaling = Scaling::of(lcp);
@@ -61,13 +61,14 @@ impl LcpFamily {
         }))
     }
 
-    /// Follows Lemke's path for one q from the family's basis.
+    /// Follows Lemke's path for the problem with the given q, from the basis of the family.
     ///
-    /// The result has the basis of the last tableau. Its basic solution is not recomputed, so the caller must verify
-    /// it. If the path ends neither at a solution nor on a ray that proves infeasibility, the status is
+    /// The result has the basis of the last tableau. The basic solution of this basis is not recomputed, so the caller
+    /// must verify it. If the path ends neither at a solution nor on a ray that proves infeasibility, the status is
     /// [`LcpStatus::PivotLimit`].
     ///
-    /// If `q` does not have m entries, an entry is not finite, or the tableau does not fit into memory.
+    /// Returns an error if `q` does not have m entries, an entry is not finite, or the tableau does not fit into
+    /// memory.
     pub fn solve(&self, q: &[f64]) -> Result<LcpBasis, LcpError> {
         let lcp = Lcp::with_matrix_of(&self.scaled.matrix, q)?;
         let order = q.len();

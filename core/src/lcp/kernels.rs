@@ -1,11 +1,11 @@
-//! Inner loops, compiled for the widest vector registers of the machine at run time.
+//! Inner loops of the LCP solvers, compiled for the widest vector registers of the machine at run time.
 use pulp::{Arch, Simd, WithSimd};
 
-/// Vectors are padded with zeros to a multiple of this length.
+/// The length of padded vectors is a multiple of this number; they are padded with zeros.
 pub(super) const LANES: usize = 8;
 
-/// The largest absolute value of a padded vector. There is a running maximum for each lane, so that comparisons do not
-/// wait for each other.
+/// The largest absolute value in a padded vector. Each lane has a maximum of its own, so that comparisons do not wait
+/// for each other.
 #[inline(always)]
 pub(super) fn largest_size(vector: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; LANES];
@@ -17,8 +17,8 @@ pub(super) fn largest_size(vector: &[f64]) -> f64 {
     lanes.into_iter().fold(0.0, f64::max)
 }
 
-/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors one after the other; their length is a
-/// multiple of [`LANES`].
+/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors source_k one after the other. Their length,
+/// that of `target`, is a multiple of [`LANES`].
 pub(super) fn subtract_multiples(target: &mut [f64], factors: &[f64], sources: &[f64]) {
     Arch::new().dispatch(SubtractMultiples { target, factors, sources });
 }
@@ -48,7 +48,7 @@ impl WithSimd for SubtractMultiples<'_> {
     }
 }
 
-/// Updates the N registers of `target` from `from` on; sums stay in registers.
+/// Updates N SIMD registers of `target`, from register `from` on. The sums stay in registers.
 #[inline(always)]
 fn subtract_in_strip<S: Simd, const N: usize>(
     simd: S,

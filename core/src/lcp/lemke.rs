@@ -7,17 +7,17 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// Options of [`lemke`].
+/// Options of the function [`lemke`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LemkeOptions<'a> {
-    /// Covering vector d > 0 of the cold start; a vector of ones if absent.
+    /// Covering vector d > 0 (m,) of a cold start; `None` means a vector of ones.
     pub covering: Option<&'a [f64]>,
-    /// Largest number of pivots; [`default_max_pivots`] if absent.
+    /// Largest number of pivots; `None` means [`default_max_pivots`].
     pub max_pivots: Option<usize>,
 }
 
-/// 50 (m + 100): the default limit on the number of pivots for m pairs. Plates need a few m. The worst known problems
-/// need 2ᵐ, which is within the limit up to m = 12.
+/// Default limit on the number of pivots for m pairs: 50 (m + 100). Plates need a few times m pivots. The worst known
+/// problems need 2ᵐ, which is within the limit up to m = 12.
 pub fn default_max_pivots(order: usize) -> usize {
     50 * (order + 100)
 }
@@ -28,14 +28,14 @@ pub fn default_max_pivots(order: usize) -> usize {
 /// almost complementary bases is followed until z₀ is zero. The ratio test is lexicographic, so the path is finite for
 /// every M, and in degenerate problems. If M is copositive-plus (for example positive semidefinite) and the problem is
 /// feasible, the path ends in [`LcpStatus::Solved`]. For such M, [`LcpStatus::Ray`] means that the problem is
-/// infeasible, and the ray proves it. M need not be symmetric. The basic solution of the last basis is computed by a
-/// new factorization, so z and w have no error of the tableau; z ≥ 0 and w ≥ 0 hold exactly.
+/// infeasible, and the ray proves this. M need not be symmetric. The basic solution of the last basis is computed by a
+/// new factorization, so that z and w are free of the tableau's rounding errors; z ≥ 0 and w ≥ 0 hold exactly.
 ///
 /// M is first scaled by powers of two to largest entries of about 1, so the tolerances are relative. Memory is about
 /// three times that of M. A pivot takes about 2 m² operations; the first m/8 pivots take far fewer.
 ///
-/// If the covering vector has the wrong length or an entry that is not positive, or the tableau does not fit into
-/// memory.
+/// Returns an error if the covering vector has the wrong length or an entry that is not positive, or if the tableau
+/// does not fit into memory.
 ///
 /// # Source
 /// Lemke (1965); Cottle, Pang & Stone (1992), Algorithm 4.4.5 and, for the lexicographic rule, section 4.9.
@@ -57,17 +57,18 @@ pub fn lemke(lcp: &Lcp, options: &LemkeOptions) -> Result<LcpSolution, LcpError>
 
 /// Solves the problem of [`lemke`] from the complementary basis of an earlier problem with the same or a similar M.
 ///
-/// The problem is first transformed to `basis` (true where z_i is basic). If this basis is feasible, no pivot is made.
-/// If not, a path starts there with a covering vector of ones. If the basis is singular, or the path ends neither at a
-/// solution nor on a ray that proves infeasibility, a cold start follows.
+/// The problem is first transformed to `basis` (m,), which is true where z_i is basic. If this basis is feasible, no
+/// pivot is made. If it is not, a path starts there with a covering vector of ones. A cold start follows if the basis
+/// is singular, or if the path ends neither at a solution nor on a ray that proves infeasibility.
 ///
-/// As [`lemke`], and if `basis` does not have m entries.
+/// Returns the same errors as [`lemke`], and an error if `basis` does not have m entries.
 pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<LcpSolution, LcpError> {
     lemke_watched(lcp, options, Some(basis), &mut |_, _| true)
 }
 
-/// [`lemke`], or [`lemke_from`] if `basis` is given, with a callback. Every 64 pivots it calls `watch` with the number
-/// of pivots and the artificial variable relative to its first value. If `watch` returns false, the path ends.
+/// [`lemke`], or [`lemke_from`] if `basis` is present, with a callback. Every 64 pivots `watch` is called with the
+/// number of pivots, and with the artificial variable relative to its first value. If `watch` returns false, the path
+/// ends.
 ///
 /// # Errors
 /// See [`lemke`] and [`lemke_from`].
@@ -83,8 +84,8 @@ pub fn lemke_watched(
     solve(lcp, options, basis, watch)
 }
 
-/// Largest number of restarts after the first path: from the final basis of a cold start whose recomputed values are
-/// infeasible, or cold.
+/// Largest number of restarts after the first path. A restart is cold, or starts at the final basis of a cold start
+/// whose recomputed values are infeasible.
 const RESTARTS: usize = 4;
 
 fn solve(
@@ -104,7 +105,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // Scaling back overflows if numbers are near the largest f64.
+        // If numbers are near the largest f64, scaling back overflows.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))
@@ -165,18 +166,19 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
     }
 }
 
-/// Number of pivots between two calls of the callback: some milliseconds for a thousand pairs.
+/// Number of pivots between two calls of the callback. They take some milliseconds for a thousand pairs.
 pub(super) const WATCHED: usize = 64;
 
-/// How a path ends.
+/// The end of a path.
 pub(super) enum End {
-    /// At a complementary basis: true where slack and complement are exchanged relative to the start.
+    /// The path ends at a complementary basis. An entry (m,) is true if slack and complement are exchanged relative to
+    /// the start.
     Complementary(Vec<bool>),
-    /// On a ray, with its direction: slacks first, then their complements.
+    /// The path ends on a ray with this direction (2m,): slacks first, then their complements.
     Ray(Vec<f64>),
-    /// At the pivot limit, or because the basis became singular.
+    /// The pivot limit was reached, or rounding made the basis singular.
     Stopped,
-    /// Cancelled by the callback.
+    /// The callback cancelled the path.
     Interrupted,
 }
 
@@ -185,7 +187,7 @@ pub(super) struct Path {
     pub(super) pivots: usize,
 }
 
-/// Follows the almost complementary path from the slack basis.
+/// Follows the path of almost complementary bases from the slack basis, with at most `limit` pivots.
 pub(super) fn follow_path(
     problem: &CoveredLcp,
     limit: usize,

@@ -1,6 +1,6 @@
 //! Linear complementarity: find z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 //!
-//! The module does not depend on plates. M is any square matrix, dense and row-major.
+//! The module does not depend on plates. M is any square matrix, stored as a dense row-major array.
 //!
 //! | file | content |
 //! |---|---|

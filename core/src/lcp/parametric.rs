@@ -7,31 +7,31 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// How a parametric path ended.
+/// How the path of a parametric problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametricEnd {
-    /// The path reached the requested end.
+    /// The path reached the requested largest t.
     Reached,
-    /// For larger t no z ≥ 0 makes w ≥ 0, if M is positive semidefinite.
+    /// If M is positive semidefinite: for larger t no z ≥ 0 gives w ≥ 0.
     Infeasible,
     /// The pivot limit was reached, t decreased (M is not positive semidefinite), or rounding made a basis singular.
     Stopped,
-    /// Cancelled by the callback.
+    /// The callback cancelled the path.
     Interrupted,
 }
 
-/// A complementary basis on the path, and the range of t in which it solves the problem.
+/// A complementary basis on the path, and the range of t in which this basis solves the problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParametricSegment {
     /// Smallest t at which the basis solves the problem.
     pub from: f64,
     /// Largest t at which the basis solves the problem; it may be infinite.
     pub to: f64,
-    /// True where z_i is basic, so that w_i = 0.
+    /// For each pair (m,), true if z_i is basic, so that w_i = 0.
     pub basis: Vec<bool>,
 }
 
-/// The solutions of w = Mz + q + t d for t ≥ 0: z and w are linear in t within each segment.
+/// The solutions of w = Mz + q + t d for t ≥ 0. Within each segment z and w are linear in t.
 #[derive(Clone, Debug)]
 pub struct ParametricPath {
     pub segments: Vec<ParametricSegment>,
@@ -39,17 +39,18 @@ pub struct ParametricPath {
     pub pivots: usize,
 }
 
-/// Follows the solution of w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0 from t = 0 to t = `end`. `basis` (true where z_i is
-/// basic) must be a solution at t = 0.
+/// Follows the solution of w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0 from t = 0 to t = `end`, with d = `direction` (m,).
+/// `basis` (m,), true where z_i is basic, must solve the problem at t = 0.
 ///
 /// t is the artificial variable of Lemke's algorithm with covering vector d, whose entries may have any sign. The
 /// problem is transformed to `basis`, and t enters. When a variable falls to zero, its complement enters. If M is
-/// positive semidefinite, t does not decrease. If no basic variable blocks the entering one, t either grows without
-/// bound or stays constant; if it stays constant, no larger t is feasible. The ratio test is lexicographic, so there
-/// are finitely many pivots at each t. Segments of zero length are not returned. Every 64 pivots it calls `watch` with
-/// the number of pivots. If `watch` returns false, the path ends.
+/// positive semidefinite, t does not decrease. If no basic variable blocks the entering variable, t either grows
+/// without bound or stays constant; if t stays constant, no larger t is feasible. The ratio test is lexicographic, so
+/// there are finitely many pivots at each t. Segments of zero length are not returned. Every 64 pivots `watch` is
+/// called with the number of pivots. If `watch` returns false, the path ends.
 ///
-/// If `direction` or `basis` does not have m entries, an entry is not finite, or the tableau does not fit into memory.
+/// Returns an error if `direction` or `basis` does not have m entries, an entry is not finite, or the tableau does not
+/// fit into memory.
 ///
 /// # Source
 /// Cottle, Pang & Stone (1992), section 4.5; Murty (1988), section 5.
@@ -85,7 +86,7 @@ pub fn parametric(
     }
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
-    // If the unit of t overflows f64, the ends of segments cannot be represented.
+    // If the unit of t is beyond the range of f64, the ends of segments cannot be represented.
     match scaled.pivoted(basis)?.filter(|_| unit.is_normal()) {
         Some(origin) => path.end = follow(origin, basis, unit, end, &mut path, watch)?,
         None => path.end = ParametricEnd::Stopped,
@@ -93,8 +94,8 @@ pub fn parametric(
     Ok(path)
 }
 
-/// Follows the path from the slack basis of a transformed problem. `unit` is the value of t that corresponds to 1 in
-/// the scaled problem.
+/// Follows the path from the slack basis of a problem that is transformed to `origin`. `unit` is the t that corresponds
+/// to 1 in the scaled problem.
 fn follow(
     mut problem: CoveredLcp,
     origin: &[bool],
@@ -104,7 +105,7 @@ fn follow(
     watch: &mut dyn FnMut(usize) -> bool,
 ) -> Result<ParametricEnd, OutOfMemory> {
     let order = problem.order();
-    // Negative values at t = 0 are rounding errors.
+    // The basis solves the problem at t = 0, so negative values there are rounding errors.
     problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
     let limit = default_max_pivots(order).max(1000);
     let mut tableau = Tableau::new(&problem)?;
@@ -118,7 +119,7 @@ fn follow(
             Err(Stuck::Singular) => return Ok(ParametricEnd::Stopped),
             Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
         };
-        // The basis from here to the next event contains the entering variable and not t.
+        // From here to the next event, the entering variable is basic and t is not.
         let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
         let basis: Vec<bool> = (0..order).map(|i| origin[i] != basic(i)).collect();
         let Some(leaving) = leaving else {

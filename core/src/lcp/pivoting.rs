@@ -9,14 +9,14 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 
 impl CoveredLcp<'_> {
-    /// The problem with z_i and w_i exchanged where `basis` is true, and with a covering vector of ones. None if the
+    /// The problem with z_i and w_i exchanged where `basis` is true, and with a covering vector of ones. `None` if the
     /// principal submatrix of M for these indices is singular (Cottle, Pang & Stone 1992, section 2.3).
     pub(super) fn principal_transform(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let ones = vec![1.0; self.order()];
         Ok(self.pivoted(basis)?.map(|pivoted| CoveredLcp { covering: ones, ..pivoted }))
     }
 
-    /// [`Self::principal_transform`] with the covering vector transformed too.
+    /// As [`Self::principal_transform`], but the covering vector is transformed like q instead of replaced by ones.
     pub(super) fn pivoted(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self)?;
@@ -27,8 +27,8 @@ impl CoveredLcp<'_> {
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
-    /// z and w at a complementary basis. Negative values within rounding become zero. None if the basis is singular or
-    /// infeasible.
+    /// z and w at a complementary basis. Negative values within rounding become zero. `None` if the basis is singular,
+    /// or if z or w has larger negative values.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
         let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };
@@ -36,8 +36,8 @@ impl CoveredLcp<'_> {
         Ok(Some(result))
     }
 
-    /// M′_αα for the indices α. It is copied by eight rows at a time, because M is row-major and the block
-    /// column-major.
+    /// The principal block M′_αα for the indices α. Eight rows are copied at a time, because M is row-major and the
+    /// block column-major.
     fn principal_block(&self, indices: &[usize]) -> Result<Mat<f64>, OutOfMemory> {
         let order = self.order();
         let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
@@ -54,7 +54,7 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// A complementary basis, with the LU factors of the block of M for its basic z.
+/// A complementary basis, with the LU factors of the block of M′ that belongs to its basic z.
 pub(super) struct Basis {
     basis: Vec<bool>,
     basic: Vec<usize>,
@@ -62,16 +62,16 @@ pub(super) struct Basis {
     factors: Lu,
 }
 
-/// z and w at a complementary basis, of any sign.
+/// z and w (m,) at a complementary basis; their entries may have any sign.
 pub(super) struct BasicValues {
     pub(super) z: Vec<f64>,
     pub(super) w: Vec<f64>,
-    /// Whether z ≥ 0 and w ≥ 0 within rounding.
+    /// Whether z ≥ 0 and w ≥ 0, up to rounding.
     pub(super) feasible: bool,
 }
 
 impl Basis {
-    /// Factors the block; None if it is singular.
+    /// Factors the block of M′ that belongs to the basic z; `None` if this block is singular.
     pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let basic = indices(basis);
         let block = problem.principal_block(&basic)?;
@@ -80,8 +80,7 @@ impl Basis {
         Ok(regular.then(|| Self { basis: basis.to_vec(), basic, block, factors }))
     }
 
-    /// z and w after a step of iterative refinement, whose residual is summed in double-double; None if a value
-    /// overflows.
+    /// z and w, after one step of iterative refinement with a double-double residual. `None` if a value overflows.
     pub(super) fn values(&self, problem: &CoveredLcp) -> Result<Option<BasicValues>, OutOfMemory> {
         let (order, basic) = (problem.order(), &self.basic);
         let solve = |vector: &mut [f64]| {
@@ -120,7 +119,8 @@ impl Basis {
     }
 }
 
-/// right − block · x, summed in double-double. Columns are added one by one, so that the sums of rows are independent.
+/// The residual right − block · x, summed in double-double. Columns are added one after the other, so that the sums of
+/// the rows can be formed in SIMD lanes.
 fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
     let (mut high, mut low) = (right.to_vec(), vec![0.0; right.len()]);
     vectorized(

@@ -21,16 +21,16 @@ pub struct Lcp<'a> {
     q: &'a [f64],
 }
 
-/// How a solver ended.
+/// How a solver of the problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LcpStatus {
-    /// A complementary solution was found.
+    /// The solver found a complementary solution.
     Solved,
     /// The path ended on a secondary ray; if M is copositive-plus, the problem is infeasible.
     Ray,
     /// The solver stopped without a solution: at the pivot limit, or because rounding made every basis infeasible.
     PivotLimit,
-    /// Cancelled by the callback.
+    /// The callback cancelled the solver.
     Interrupted,
 }
 
@@ -54,69 +54,72 @@ impl fmt::Display for LcpStatus {
     }
 }
 
-/// Result of a solver. Each vector has m entries for m pairs.
+/// Result of a solver for m pairs; each vector has m entries.
 #[derive(Clone, Debug)]
 pub struct LcpSolution {
-    /// The complementary variables; NaN unless solved.
+    /// The complementary variables z (m,); NaN unless the problem is solved.
     pub z: Vec<f64>,
-    /// The slacks Mz + q; NaN unless solved.
+    /// The slacks w = Mz + q (m,); NaN unless the problem is solved.
     pub w: Vec<f64>,
-    /// True if z_i is basic (w_i = 0), false if w_i is basic. All false unless solved.
+    /// For each pair (m,), true if z_i is basic (w_i = 0), false if w_i is basic. All entries are false unless the
+    /// problem is solved.
     pub basis: Vec<bool>,
     pub status: LcpStatus,
-    /// Number of pivots, including the entry of the artificial variable.
+    /// Number of pivots, including the pivot by which the artificial variable enters.
     pub pivots: usize,
-    /// z-direction v ≥ 0 of the secondary ray, scaled to max v = 1; present only if the status is `Ray`.
-    /// [`Lcp::infeasibility`] computes whether it proves that the problem is infeasible.
+    /// The direction v ≥ 0 (m,) of z on the secondary ray, scaled to max v = 1. It is present only if the status is
+    /// `Ray`. [`Lcp::infeasibility`] computes whether v proves that the problem is infeasible.
     pub ray: Option<Vec<f64>>,
 }
 
-/// Relative errors of a pair (z, w) as a solution. Each is at least zero, and NaN if an input is NaN.
+/// Relative errors of a pair (z, w) as a solution of the problem. Each error is at least zero; it is NaN if an input is
+/// NaN.
 ///
-/// With s_i = |q_i| + Σ_j |M_ij z_j| and the work W = Σ_i |z_i| s_i, row i has the magnitude t_i = s_i + √(|M_ii| W).
-/// For a semidefinite M the root bounds |(Mz)_i|. Without it, a row with only zero terms would be judged by its
-/// rounding errors. The errors except `negative_z` do not depend on the units of the unknowns.
+/// With s_i = |q_i| + Σ_j |M_ij z_j| and the work W = Σ_i |z_i| s_i, the reference size of row i is t_i = s_i +
+/// √(|M_ii| W). For a semidefinite M the root bounds |(Mz)_i|. Without the root, the errors of a row whose terms are
+/// all zero would be relative to rounding. All errors except `negative_z` are independent of the units of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Residuals {
-    /// max_i −z_i / max_j |z_j|.
+    /// Error of z ≥ 0: max_i −z_i / max_j |z_j|.
     pub negative_z: f64,
-    /// max_i −w_i / t_i.
+    /// Error of w ≥ 0: max_i −w_i / t_i, with t_i as in [`Residuals`].
     pub negative_w: f64,
-    /// max_i |z_i w_i| / W.
+    /// Error of zᵀw = 0: max_i |z_i w_i| / W, with W as in [`Residuals`].
     pub complementarity: f64,
-    /// max_i |w_i − (Mz)_i − q_i| / t_i.
+    /// Error of w = Mz + q: max_i |w_i − (Mz)_i − q_i| / t_i, with t_i as in [`Residuals`].
     pub equation: f64,
 }
 
 impl Residuals {
-    /// The largest of the four errors.
+    /// The largest of the four relative errors.
     pub fn worst(&self) -> f64 {
         [self.negative_z, self.negative_w, self.complementarity, self.equation].into_iter().fold(0.0, larger)
     }
 }
 
-/// How well a vector v proves that no z ≥ 0 has Mz + q ≥ 0. The conditions are v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0 (Farkas).
+/// How well a vector v proves that the problem is infeasible: no z ≥ 0 has Mz + q ≥ 0 if v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0
+/// (Farkas).
 #[derive(Clone, Copy, Debug)]
 pub struct InfeasibilityProof {
-    /// max_i −v_i / max_j |v_j|, at least zero.
+    /// Error of v ≥ 0: max_i −v_i / max_j |v_j|, at least zero.
     pub negative: f64,
-    /// max_j (Mᵀv)_j / Σ_i |M_ij v_i|, at least zero.
+    /// Error of Mᵀv ≤ 0: max_j (Mᵀv)_j / Σ_i |M_ij v_i|, at least zero.
     pub transpose: f64,
-    /// −qᵀv / Σ_i |q_i v_i|: positive if the proof holds.
+    /// −qᵀv / Σ_i |q_i v_i|; qᵀv < 0 holds if this number is positive.
     pub decrease: f64,
 }
 
 impl InfeasibilityProof {
-    /// Whether all three conditions hold within the relative tolerance `tolerance`.
+    /// Whether v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0 hold within the relative tolerance `tolerance`.
     pub fn holds(&self, tolerance: f64) -> bool {
         self.negative <= tolerance && self.transpose <= tolerance && self.decrease > tolerance
     }
 }
 
 impl<'a> Lcp<'a> {
-    /// Makes the problem from the m×m row-major `matrix` and the m entries of `q`.
+    /// Makes the problem from `matrix`, which is M (m, m) in row-major order, and the m entries of `q`.
     ///
-    /// If `matrix` is not m×m, or an entry is not finite.
+    /// Returns an error if `matrix` is not m×m, or if an entry is not finite.
     pub fn new(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
         let order = q.len();
         if matrix.len() != order * order {
@@ -131,7 +134,7 @@ impl<'a> Lcp<'a> {
         Ok(Self { matrix, q })
     }
 
-    /// [`Lcp::new`] with a matrix whose entries are known to be finite.
+    /// As [`Lcp::new`], for a matrix whose entries are known to be finite.
     pub(super) fn with_matrix_of(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
         if matrix.len() != q.len() * q.len() {
             return Err(LcpError::MatrixLength { found: matrix.len(), order: q.len() });
@@ -142,29 +145,29 @@ impl<'a> Lcp<'a> {
         }
     }
 
-    /// The number m of complementary pairs.
+    /// The number m of complementary pairs (z_i, w_i).
     pub fn order(&self) -> usize {
         self.q.len()
     }
 
-    /// M, row-major.
+    /// The matrix M (m, m), row-major.
     pub fn matrix(&self) -> &'a [f64] {
         self.matrix
     }
 
-    /// The vector q.
+    /// The vector q (m,).
     pub fn q(&self) -> &'a [f64] {
         self.q
     }
 
-    /// Row i of M.
+    /// Row i (m,) of M.
     pub fn row(&self, i: usize) -> &'a [f64] {
         &self.matrix[i * self.order()..(i + 1) * self.order()]
     }
 
-    /// Relative errors of (z, w) as a solution, computed from M and q.
+    /// Relative errors of the vectors `z` and `w` as a solution, computed from M and q.
     ///
-    /// If `z` or `w` does not have m entries.
+    /// Returns an error if `z` or `w` does not have m entries.
     pub fn residuals(&self, z: &[f64], w: &[f64]) -> Result<Residuals, LcpError> {
         self.check_length("z", z.len())?;
         self.check_length("w", w.len())?;
@@ -186,9 +189,9 @@ impl<'a> Lcp<'a> {
         Ok(found)
     }
 
-    /// How well `v` proves that the problem is infeasible, computed from M and q.
+    /// How well the vector `v` proves that the problem is infeasible, computed from M and q.
     ///
-    /// If `v` does not have m entries.
+    /// Returns an error if `v` does not have m entries.
     pub fn infeasibility(&self, v: &[f64]) -> Result<InfeasibilityProof, LcpError> {
         self.check_length("v", v.len())?;
         let largest = v.iter().map(|x| x.abs()).fold(0.0, larger);
@@ -214,7 +217,7 @@ impl<'a> Lcp<'a> {
     }
 }
 
-/// Index of the first entry that is not finite. Chunks are tested as a whole, which is fast.
+/// Index of the first entry that is not finite; `None` if all are finite. Whole chunks are tested first, which is fast.
 fn first_not_finite(entries: &[f64]) -> Option<usize> {
     let all_finite = |chunk: &[f64]| {
         vectorized(
@@ -226,28 +229,28 @@ fn first_not_finite(entries: &[f64]) -> Option<usize> {
     (chunk * 1024..entries.len()).find(|&at| !entries[at].is_finite())
 }
 
-/// The larger of two numbers; NaN if either is.
+/// The larger of two numbers, or NaN if one of them is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// value / scale, and 0/0 = 0.
+/// value / scale, with 0/0 = 0.
 fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / scale }
 }
 
-/// Errors in a problem or in a solver's arguments.
+/// Errors in a linear complementarity problem or in the arguments of its solvers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LcpError {
-    /// M has `found` entries; q has `order` entries, so M must have order².
+    /// M has `found` entries. q has `order` entries, so M must have order² entries.
     MatrixLength { found: usize, order: usize },
-    /// An entry of M is not finite.
+    /// An entry of M is NaN or infinite.
     MatrixEntry { row: usize, column: usize, value: f64 },
-    /// An entry of a vector is not finite.
+    /// An entry of the vector `name` is NaN or infinite.
     Entry { name: &'static str, index: usize, value: f64 },
-    /// A vector does not have as many entries as M has rows.
+    /// The vector `name` has `found` entries; M has `order` rows.
     Length { name: &'static str, found: usize, order: usize },
-    /// An entry of the covering vector is not a finite positive number.
+    /// An entry of the covering vector is not positive, or it is not finite.
     Covering { index: usize, value: f64 },
     /// The tableau does not fit into memory.
     OutOfMemory,

@@ -1,17 +1,17 @@
 //! Choice of the leaving variable: the lexicographic minimum ratio test (Dantzig, Orden & Wolfe 1955).
 //!
 //! q is regarded as q + (ε, ε², …) with an arbitrarily small ε > 0. Then no two ratios are equal, the artificial
-//! variable decreases at every pivot, and no basis occurs twice. In the basic variables, the coefficients of ε, ε², …
-//! are the columns of the initial basis. Column j is minus the tableau's column if slack j is nonbasic, and a unit
-//! vector if it is basic.
+//! variable decreases at every pivot, and no basis occurs twice. In the values of the basic variables, the coefficients
+//! of ε, ε², … are the columns of the initial basis. If slack j is nonbasic, column j is minus the column of slack j in
+//! the tableau; if slack j is basic, column j is a unit vector.
 use super::kernels::{LANES, largest_size};
 use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 use crate::vectorized::vectorized;
 
-/// Row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i. It is
-/// the last row with the smallest q_i / d_i.
+/// Row of the first pivot, in which the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i, with
+/// e_i row i of the unit matrix. This is the last row with the smallest q_i / d_i.
 pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     let ratios = || values.iter().zip(covering).map(|(q, d)| q / d);
     let least = ratios().fold(f64::INFINITY, f64::min);
@@ -19,15 +19,16 @@ pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     tied.unwrap_or(0)
 }
 
-/// A leaving row, and whether its pivot is so small that it may be a rounding error.
+/// The row that leaves the basis, and whether its pivot is so small that it may be a rounding error.
 struct Leaving {
     row: usize,
     doubtful: bool,
 }
 
-/// The row that leaves if the variable of `column` increases from zero; None if the variable is unbounded.
+/// The row that leaves the basis if the variable of `tableau.column` increases from zero; `None` if no basic variable
+/// falls to zero.
 ///
-/// If the artificial variable can leave, it does: the basis is then complementary. `tied` is workspace.
+/// If the artificial variable can leave, it leaves: the basis is then complementary. `tied` is workspace.
 fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     let (values, column) = (&tableau.values, &tableau.column);
     let largest = vectorized(
@@ -47,15 +48,16 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
 }
 
-/// Smallest number of exchanges since the last recomputation after which a doubtful pivot is recomputed: absolute, and
-/// relative to the order.
+/// A doubtful pivot is recomputed if at least this number of exchanges followed the last recomputation: the larger of
+/// `RECOMPUTE_AGE` and the order divided by `RECOMPUTE_PART`.
 ///
-/// A recomputation costs as much as many exchanges, more with increasing order. Where rounding errors dominate, every
-/// pivot is doubtful: with this rule a path of 4057 points took 44 s; before, it had not ended after two minutes.
+/// A recomputation costs as much as many exchanges, more with increasing order. If rounding errors dominate, every
+/// pivot is doubtful. With this rule a path of 4057 points took 44 s; without the rule it had not ended after two
+/// minutes.
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 
-/// Reasons why there is no next pivot.
+/// Reasons why the next pivot cannot be chosen.
 pub(super) enum Stuck {
     /// Rounding made the basis singular.
     Singular,
@@ -68,8 +70,8 @@ impl From<OutOfMemory> for Stuck {
     }
 }
 
-/// Sets the entering variable and returns the leaving row; None if the variable is unbounded. A doubtful pivot, or the
-/// end of a path, is accepted only if the tableau was recomputed recently.
+/// Sets the entering variable and returns the row that leaves; `None` if no basic variable falls to zero. A doubtful
+/// pivot, or the end of a path, is accepted only if the tableau was recomputed recently.
 pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usize>) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
@@ -107,8 +109,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the row's entry in the column; infinite
-/// without such rows.
+/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the entry of the row in `column`. Infinite
+/// without such a row.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];
@@ -122,7 +124,8 @@ fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Finds the rows whose variables are zero, within the tolerance, when the entering variable is `step`.
+/// Writes to `tied` the rows with a < `least` whose variables fall to zero, within the tolerance, when the entering
+/// variable is `step`.
 #[inline(always)]
 fn find_tied(values: &[f64], column: &[f64], least: f64, step: f64, tied: &mut Vec<usize>) {
     let reaches = |value: f64, a: f64| {

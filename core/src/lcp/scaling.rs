@@ -1,4 +1,4 @@
-//! Scaling by powers of two, which causes no rounding.
+//! Scaling of linear complementarity problems by powers of two, which causes no rounding.
 use std::borrow::Cow;
 
 use super::kernels::{LANES, largest_size};
@@ -6,7 +6,7 @@ use super::problem::Lcp;
 use crate::dense::{OutOfMemory, room};
 use crate::vectorized::vectorized;
 
-/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j (`units` u) and the covering vector d.
+/// The problem w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j; `units` is u and `covering` is d, each (m,).
 pub(super) struct CoveredLcp<'a> {
     pub(super) matrix: Cow<'a, [f64]>,
     pub(super) units: Cow<'a, [f64]>,
@@ -19,7 +19,7 @@ impl CoveredLcp<'_> {
         self.q.len()
     }
 
-    /// M′_ij.
+    /// Entry (i, j) of the scaled matrix M′.
     pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
         self.matrix[i * self.order() + j] * self.units[i] * self.units[j]
     }
@@ -35,7 +35,7 @@ impl CoveredLcp<'_> {
         })
     }
 
-    /// Column j of M′; if j is the order m, the covering vector.
+    /// Copies column j of M′ to `target`, or the covering vector if j is the order m.
     pub(super) fn copy_column(&self, j: usize, target: &mut [f64]) {
         let order = self.order();
         if j == order {
@@ -49,21 +49,21 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD, q′ = Dq/σ. The scaling is symmetric, so M′ is semidefinite or copositive if
-/// M is.
+/// The scaling z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD and q′ = Dq/σ. It is symmetric, so M′ is semidefinite or
+/// copositive if M is.
 ///
-/// With D (`diagonal`), the largest entry in row and column i of M′ is about 1; with σ (`load`), the most negative
-/// entry of q′. If the diagonal has the largest entries, as in a semidefinite M, it gives D. If not, rows and columns
-/// are equilibrated together (Ruiz 2001).
+/// D (`diagonal`) makes the largest entry in row and column i of M′ about 1, for each i. σ (`load`) makes the most
+/// negative entry of q′ about −1. If the diagonal has the largest entries of M, as in a semidefinite M, D follows from
+/// the diagonal. If not, rows and columns are equilibrated together (Ruiz 2001).
 pub(super) struct Scaling {
     diagonal: Vec<f64>,
     load: f64,
 }
 
-/// Largest number of equilibration passes.
+/// Largest number of passes of equilibration over M.
 const PASSES: usize = 4;
 
-/// Equilibration ends when all largest entries are within this factor of 1.
+/// Equilibration ends if the largest entry of every row and column is within this factor of 1.
 const EVEN: f64 = 4.0;
 
 /// Entries of D are between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that products with them stay finite.
@@ -101,7 +101,7 @@ impl Scaling {
         }
     }
 
-    /// The problem with the vector `direction`, of any signs, as covering vector. The second value is the parameter t
+    /// The scaled problem with the vector `direction` (m,), of any signs, as covering vector. The second value is the t
     /// that corresponds to 1 in the scaled problem.
     pub(super) fn scale_along<'a>(&'a self, lcp: &Lcp<'a>, direction: &[f64]) -> (CoveredLcp<'a>, f64) {
         let mut scaled = self.scale(lcp, None);
@@ -110,13 +110,14 @@ impl Scaling {
         (scaled, self.load / size)
     }
 
-    /// D q/σ, with σ computed from this q.
+    /// The scaled vector D q/σ (m,), with σ computed from this q.
     pub(super) fn scale_q(&self, q: &[f64]) -> Vec<f64> {
         let load = load_of(q, &self.diagonal);
         q.iter().zip(&self.diagonal).map(|(a, d)| a * d / load).collect()
     }
 
-    /// z-direction of a ray that starts at the basis `origin`, scaled to a largest entry of 1.
+    /// Direction (m,) of z, in original units, on a ray of the problem transformed to the basis `origin`. It is scaled
+    /// to a largest entry of 1.
     pub(super) fn unscaled_ray(&self, origin: &[bool], direction: &[f64]) -> Vec<f64> {
         let (slack, complement) = direction.split_at(origin.len());
         let mut ray: Vec<f64> =
@@ -136,15 +137,15 @@ impl Scaling {
     }
 }
 
-/// σ: a power of two near the most negative entry of Dq, or near the largest entry if none is negative. A large
-/// positive q_i, such as a wide gap, must not reduce the other entries.
+/// The scale σ of q: a power of two near the magnitude of the most negative entry of Dq, or near the largest entry if
+/// none is negative. A large positive q_i, such as a wide gap, must not reduce the other entries.
 fn load_of(q: &[f64], diagonal: &[f64]) -> f64 {
     let scaled = || q.iter().zip(diagonal).map(|(a, d)| a * d);
     let short = power_of_two(scaled().filter(|a| *a < 0.0).map(f64::abs));
     if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) }
 }
 
-/// The largest |D_i M_ij D_j| in row or column i, for every i.
+/// For each i, the largest |D_i M_ij D_j| in row i or column i.
 fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
     let order = lcp.order();
     let mut largest = vec![0.0_f64; order];
@@ -173,7 +174,7 @@ fn even_factor(size: f64) -> f64 {
     f64::from_bits(((1023 + (-exponent).div_euclid(2)) as u64) << 52).clamp(LEAST, MOST)
 }
 
-/// The largest power of two that is at most the largest of `sizes`; 1 if they are zero or not finite.
+/// The largest power of two up to the largest of `sizes`; 1 if all are zero or one is not finite.
 fn power_of_two(sizes: impl Iterator<Item = f64>) -> f64 {
     let largest = sizes.fold(0.0, f64::max);
     if largest > 0.0 && largest.is_finite() { largest.log2().floor().exp2() } else { 1.0 }

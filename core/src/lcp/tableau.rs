@@ -1,10 +1,11 @@
-//! The condensed tableau of Lemke's algorithm: m × (m + 1) entries of the nonbasic columns, and the values.
+//! The condensed tableau of Lemke's algorithm: m × (m + 1) entries of the nonbasic columns, and the m values of the
+//! basic variables.
 //!
-//! It is the dictionary `basic = value + T · nonbasic`. An exchange of the basic variable in row r and the nonbasic
-//! variable in column s sets row r and column s of T to zero and subtracts a rank-one term. The terms are collected, T
-//! = base − U V, and subtracted from the base in blocks, by one matrix product. Until then only the columns of T that
-//! pivots need are computed. Each row of V is a row of the base minus the earlier terms, so V = L⁻¹ × rows of the base.
-//! L is unit lower triangular and contains the entries of U in the exchanged rows.
+//! The tableau is the dictionary `basic = value + T · nonbasic`. An exchange of the basic variable in row r and the
+//! nonbasic variable in column s sets row r and column s of T to zero and subtracts a rank-one term. The terms are
+//! collected, T = base − U V, and subtracted from the base in blocks, by one matrix product. Until then only the
+//! columns of T that pivots need are computed. Each row of V is a row of the base minus the earlier terms, so V = L⁻¹ ×
+//! rows of the base. L is unit lower triangular and contains the entries of U in the exchanged rows.
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -16,53 +17,54 @@ use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
 use crate::vectorized::vectorized;
 
-/// Smallest and largest number of collected rank-one terms at which the base is updated; in between, it is m/8. With
-/// fewer terms, reading the base limits the speed of the product. With more, computing the columns takes longer than
+/// The base is updated when m/8 rank-one terms are collected, but at least `LEAST` and at most `MOST` terms. With fewer
+/// terms, reading the base limits the speed of the product. With more terms, computing the columns takes longer than
 /// the product.
 const LEAST: usize = 40;
 const MOST: usize = 128;
 
-/// Number of columns of the base that a thread updates at a time.
+/// Number of columns of the base that a thread updates together.
 const TOGETHER: usize = 128;
 
-/// An exchange since the base was last updated.
+/// An exchange after the last update of the base: row and column of a rank-one term.
 struct Term {
     row: usize,
     column: usize,
-    /// Whether this is the first term with this row; its row of the base counts as zero for later terms.
+    /// Whether this is the first term with this row. For later terms the row of the base counts as zero.
     first: bool,
 }
 
-/// The tableau. Slack i has number i, its complement m + i, the artificial variable 2m.
+/// The tableau. Variables are numbered: slack i has the number i, its complement m + i, the artificial variable 2m.
 pub(super) struct Tableau<'a> {
     problem: &'a CoveredLcp<'a>,
     order: usize,
-    /// Padded length of all columns.
+    /// Length of each column, padded with zeros.
     stride: usize,
     block: usize,
-    /// Column-major; empty as long as it equals M and the covering vector.
+    /// The base, column-major. The list is empty as long as the base equals M′ and the covering vector.
     base: Vec<f64>,
     terms: Vec<Term>,
-    /// U, column-major; each column is zero in the rows of later terms.
+    /// The matrix U of T = base − U V, column-major. Each column of U is zero in the rows of later terms.
     left: Vec<f64>,
-    /// L, column-major.
+    /// The matrix L of V = L⁻¹ × rows of the base, column-major, with columns of length `block`.
     lower: Vec<f64>,
     pub(super) values: Vec<f64>,
-    /// Column of T for the variable that enters next.
+    /// Column of T that belongs to the entering variable.
     pub(super) column: Vec<f64>,
     pub(super) row_variable: Vec<usize>,
     column_variable: Vec<usize>,
     /// Position of each variable: i if it is basic in row i, m + j if it is nonbasic in column j.
     place: Vec<usize>,
-    /// Number of single exchanges since the tableau was last computed from the problem.
+    /// Number of single exchanges since the tableau was last computed from the problem by a factorization.
     pub(super) age: usize,
 }
 
 impl<'a> Tableau<'a> {
-    /// The tableau of the slack basis, w = q + Mz + d z₀. The artificial variable enters next.
+    /// Makes the tableau of the slack basis, w = q + Mz + d z₀, in which the artificial variable enters next.
     pub(super) fn new(problem: &'a CoveredLcp) -> Result<Self, OutOfMemory> {
         let order = problem.order();
-        // An odd number of cache lines, so that the entries of a row are not mapped to a few cache sets.
+        // The stride is an odd number of cache lines. Otherwise the entries of a row would be mapped to a few cache
+        // sets.
         let stride = (order.div_ceil(LANES) | 1) * LANES;
         let block = (order / 8).clamp(LEAST, MOST);
         let padded = |entries: &[f64]| {
@@ -89,7 +91,7 @@ impl<'a> Tableau<'a> {
         })
     }
 
-    /// The tableau of the same basis, recomputed by a factorization; None if the basis is singular.
+    /// The tableau of the current basis, recomputed by a factorization; `None` if the basis is singular.
     pub(super) fn recomputed(&self) -> Result<Option<Self>, OutOfMemory> {
         let order = self.order;
         let leaving: Vec<usize> = (0..order).filter(|&i| !self.is_basic(i)).collect();
@@ -114,17 +116,17 @@ impl<'a> Tableau<'a> {
         self.row_of(variable).is_some()
     }
 
-    /// The row of a variable; None if it is nonbasic.
+    /// The row in which a variable is basic; `None` if the variable is nonbasic.
     pub(super) fn row_of(&self, variable: usize) -> Option<usize> {
         Some(self.place[variable]).filter(|&place| place < self.order)
     }
 
-    /// The column of a nonbasic variable.
+    /// The column of the tableau that belongs to a nonbasic variable.
     fn column_of(&self, variable: usize) -> usize {
         self.place[variable] - self.order
     }
 
-    /// Entry of the base.
+    /// Entry (i, j) of the base: of T without the collected terms.
     fn base_entry(&self, i: usize, j: usize) -> f64 {
         match self.base.get(j * self.stride + i) {
             Some(&entry) => entry,
@@ -133,8 +135,8 @@ impl<'a> Tableau<'a> {
         }
     }
 
-    /// Column j of V, and whether a term has replaced column j of the base. `rows` are the entries of the base's column
-    /// j in the rows of the terms.
+    /// Column j of V, and whether a term has replaced column j of the base. `rows` has the entries of column j of the
+    /// base in the rows of the terms.
     fn factors(&self, j: usize, rows: impl Iterator<Item = f64>) -> ([f64; MOST], bool) {
         let mut factors = [0.0; MOST];
         let count = self.terms.len();
@@ -155,7 +157,7 @@ impl<'a> Tableau<'a> {
         (factors, last.is_some())
     }
 
-    /// Entries of T in the given rows, in the column of a nonbasic variable.
+    /// Entries of T in the given rows of the column of a nonbasic variable.
     pub(super) fn entries(&self, rows: &[usize], nonbasic: usize) -> Vec<f64> {
         let j = self.column_of(nonbasic);
         let of_terms = self.terms.iter().map(|term| if term.first { self.base_entry(term.row, j) } else { 0.0 });
@@ -169,7 +171,7 @@ impl<'a> Tableau<'a> {
         rows.iter().map(entry).collect()
     }
 
-    /// Sets the nonbasic variable that enters next, and computes its column of T.
+    /// Sets the nonbasic variable that enters the basis next, and computes its column of T.
     pub(super) fn choose(&mut self, entering: usize) {
         let j = self.column_of(entering);
         let mut column = std::mem::take(&mut self.column);
@@ -185,13 +187,13 @@ impl<'a> Tableau<'a> {
         self.column = column;
     }
 
-    /// Makes `entering`, the variable of `column`, basic in row `r`. Returns the variable that leaves.
+    /// Makes `entering` basic in row `r`; `self.column` must be its column. Returns the variable that leaves the basis.
     pub(super) fn exchange(&mut self, r: usize, entering: usize) -> Result<usize, OutOfMemory> {
         if self.terms.len() == self.block {
             self.flush()?;
         }
         let (s, k, reciprocal) = (self.column_of(entering), self.terms.len(), self.column[r].recip());
-        // Row r of T, row r of U, and column s are zero from now on; the new term has their entries.
+        // Row r of T, row r of U, and column s are zero from now on, since the new term contains their entries.
         for (l, column) in self.left.chunks_exact_mut(self.stride).enumerate() {
             self.lower[l * self.block + k] = std::mem::take(&mut column[r]);
         }
@@ -208,7 +210,8 @@ impl<'a> Tableau<'a> {
         Ok(self.column_variable[s])
     }
 
-    /// Derivative of all variables except the artificial one with respect to `entering`, the variable of `column`.
+    /// Derivatives (2m,) of all variables except the artificial variable with respect to `entering`, the variable of
+    /// `self.column`.
     pub(super) fn direction(&self, entering: usize) -> Vec<f64> {
         let least = tolerances::PIVOT * self.column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         let mut direction = vec![0.0; 2 * self.order + 1];
@@ -220,7 +223,7 @@ impl<'a> Tableau<'a> {
         direction
     }
 
-    /// base ← base − U V.
+    /// Updates the base, base ← base − U V, and removes the collected terms.
     fn flush(&mut self) -> Result<(), OutOfMemory> {
         let (order, stride, count) = (self.order, self.stride, self.terms.len());
         self.fill_base()?;
@@ -252,14 +255,14 @@ impl<'a> Tableau<'a> {
         Ok(())
     }
 
-    /// Fills the base with M′ and the covering vector, if it is empty.
+    /// Fills the base with M′ and the covering vector if the base is empty.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
         if !self.base.is_empty() || order == 0 {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
-        // The number of columns filled at a time is the number of entries in a cache line of M.
+        // Fills as many columns at a time as a cache line of M has entries.
         let fill = |(block, columns): (usize, &mut [f64])| {
             let first = block * LANES;
             for (i, row) in problem.matrix.chunks_exact(order).enumerate() {
@@ -280,8 +283,9 @@ impl<'a> Tableau<'a> {
         Ok(())
     }
 
-    /// Makes the column variables `entering` basic in the rows `leaving`, pairwise, by one LU factorization. Returns
-    /// false, with an unusable tableau, if their block of T is singular. The tableau must have no pending terms.
+    /// Makes the variables in the columns `entering` basic in the rows `leaving`, pair by pair, by one LU
+    /// factorization. Returns false, with an unusable tableau, if the block of T in these rows and columns is singular.
+    /// The tableau must have no pending terms.
     pub(super) fn exchange_block(&mut self, leaving: &[usize], entering: &[usize]) -> Result<bool, OutOfMemory> {
         let (order, columns, stride) = (self.order, self.order + 1, self.stride);
         let count = leaving.len();
@@ -290,7 +294,7 @@ impl<'a> Tableau<'a> {
             return Ok(true);
         }
         let block = matrix(count, count, |i, j| self.base_entry(leaving[i], entering[j]))?;
-        // The new rows: block⁻¹ [I in the entering columns, −T in the others | −values].
+        // New rows of the tableau: block⁻¹ [I in the entering columns, −T in the other columns | −values].
         let mut rows = matrix(count, columns + 1, |i, j| {
             -if j == columns { self.values[leaving[i]] } else { self.base_entry(leaving[i], j) }
         })?;
@@ -330,13 +334,14 @@ impl<'a> Tableau<'a> {
         Ok(true)
     }
 
-    /// True for each pair whose slack is nonbasic.
+    /// For each pair (m,), true if its slack is nonbasic.
     pub(super) fn complementary_basis(&self) -> Vec<bool> {
         (0..self.order).map(|slack| !self.is_basic(slack)).collect()
     }
 
-    /// The problem at the current basis: T without the artificial variable's column, row-major; this column; and the
-    /// values. It must directly follow [`Self::exchange_block`].
+    /// The problem transformed to the current basis: T without the artificial variable's column (row-major), the
+    /// artificial variable's column as covering vector, and the values as q. The call must directly follow
+    /// [`Self::exchange_block`].
     pub(super) fn into_parts(mut self) -> Result<Parts, OutOfMemory> {
         let (order, stride) = (self.order, self.stride);
         self.values.truncate(order);
@@ -359,7 +364,7 @@ impl<'a> Tableau<'a> {
     }
 }
 
-/// The matrix (row-major), covering vector and q of a transformed problem.
+/// Matrix (row-major), covering vector and q of a problem transformed to another basis.
 pub(super) struct Parts {
     pub(super) matrix: Vec<f64>,
     pub(super) covering: Vec<f64>,

@@ -1,4 +1,4 @@
-"""Comparison of results on several meshes: half-widths of numbers and of places."""
+"""Comparison of results on several meshes: half-widths of numbers and of positions."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ from signorini.singularities.singularity import Singularity
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Estimate(Brief):
-    """Half-widths within which refining the mesh is expected to move the numbers of a result.
+    """Half-widths (±): the expected changes of a result's numbers as the mesh is refined.
 
-    They estimate the mesh error; the error of the solver is in the certificate.
+    Half-widths estimate the mesh error; the error of the solver is in the certificate.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ class Estimate(Brief):
     widths : (n,) array
         Half-widths of the numbers of ``result.catalogue``; NaN where unknown.
     plus_minus : mapping or None
-        Half-widths by the keys deflection, fields, supports, probes, sections and strips of results.json; None where
-        unknown. None as a whole if no other mesh was solved.
+        Half-widths in the form of results.json, with its keys deflection, fields, supports, probes, sections and
+        strips; None where a half-width is unknown. If no other mesh was solved, None in place of the mapping.
     elements : tuple of int
         Element counts of the compared meshes, finest first, including the mesh of ``result``.
     warnings : tuple of str
-        Why half-widths are missing or wide, in sentences.
+        Sentences that say why half-widths are missing or wide.
     plates : mapping of Estimate
         Estimate of each of several plates, by name.
     """
@@ -71,7 +71,7 @@ class Estimate(Brief):
     plates: Mapping[str, Estimate] = field(default_factory=dict)
 
     def of(self, result: Result) -> Estimate:
-        """Return the estimate of a result: of this result, or of one of its plates."""
+        """Return the estimate of ``result``, which is the estimated result or one of its plates."""
         return next((one for one in self.plates.values() if one.result is result), self)
 
     def to_dataframe(self) -> Any:
@@ -79,7 +79,7 @@ class Estimate(Brief):
         return self.result.to_dataframe().assign(plus_minus=self.widths)
 
     def _repr_html_(self) -> str:
-        """Show the supports with half-widths in a notebook."""
+        """Show a table of the supports with half-widths in a notebook."""
         return in_notebook(self.result, self.plus_minus, words.compared(self.elements, True))
 
 
@@ -90,11 +90,11 @@ class PathEstimate:
     Parameters
     ----------
     end : float or None
-        Half-width of the t at which the path ends.
+        Half-width of the t at which the path ends; None if unknown.
     events : tuple of float or None
-        Half-widths of the t of every named event.
+        Half-width of the t of each named event; None where unknown.
     thresholds : tuple of float or None
-        Half-widths of the t of every threshold.
+        Half-width of the t of each threshold; None where unknown.
     elements, warnings
         As in `Estimate`.
     """
@@ -107,11 +107,11 @@ class PathEstimate:
 
     @classmethod
     def nothing(cls, events: int, thresholds: int, warnings: tuple[str, ...] = ()) -> PathEstimate:
-        """Estimate without half-widths, for a number of events and thresholds."""
+        """Estimate without half-widths, for the given numbers of events and thresholds."""
         return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
 
     def half_width(self, path: LoadPath, index: int) -> float | None:
-        """Largest half-width of t among the events at a stop or the path's end; None if an event has none."""
+        """Largest half-width of t among the events at a stop, or that of the path's end; None if any is unknown."""
         ends = {len(path.stops) - 1: self.end, 0: 0.0}
         widths = [self.events[number] for number in path.events_at.get(index, ())]
         widths += [self.thresholds[number] for number in path.reached_at.get(index, ())]
@@ -120,7 +120,7 @@ class PathEstimate:
         return max(known) if known and len(known) == len(widths) else None
 
     def words(self, path: LoadPath, index: int) -> str:
-        """Write the t of a stop with six digits and its half-width."""
+        """Text for the t of a stop, with six digits and with its half-width if that is known."""
         t = f"{path.stops[index].t:.6g}"
         if not self.elements:
             return t
@@ -129,7 +129,7 @@ class PathEstimate:
 
 
 def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
-    """Half-widths of the coordinates of contact edges: distances to the edge on the other mesh, along x and y."""
+    """Half-widths of the coordinates of contact edges: distances along x and y to the edge on the other mesh."""
     values: dict[Path, float | None] = {}
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
         edges = Targets.of(
@@ -144,7 +144,7 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
 
 
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
-    """Half-widths of the positions of extremes: distance to the farthest node whose value may be the extreme."""
+    """Half-widths of the positions of extremes: distance to the farthest node that may have the extreme value."""
     values: dict[Path, float | None] = {}
     spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
     for name_of_field, ends in result.extremes.items():
@@ -160,12 +160,14 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
 
 _FEWEST = 2
 _MOVED = 1e-8
-"""Smallest change of a number, relative to its field, that counts as mesh-dependent."""
+"""Smallest change of a number between meshes, relative to its field's size, at which the number counts as
+mesh-dependent.
+"""
 
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one plate, finest first; ``own`` is the index of the mesh that half-widths are for.
+    """Meshes of one plate, finest first; ``own`` is the index of the mesh whose results get half-widths.
 
     ``failed`` says that another mesh could not be solved.
     """
@@ -176,12 +178,12 @@ class Meshes:
 
     @classmethod
     def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
-        """Sort meshes by their numbers of elements."""
+        """Sort the own mesh and the other meshes by their numbers of elements, the largest number first."""
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
         return cls(tuple(every), every.index(own), failed)
 
     def of_plate(self, plate: int) -> Meshes:
-        """Return the meshes of one of several plates; for a single plate this object."""
+        """Return the meshes of one plate, by its index; for a single plate this object."""
         if not self.every[0].layers:
             return self
         return Meshes(tuple(mesh.layers[plate] for mesh in self.every), self.own, self.failed)
@@ -204,7 +206,7 @@ class Meshes:
     def fastest(self, at_points: Bools | bool) -> Floats:
         """Largest order of convergence that is trusted, for results with or without forces at points."""
         if self.failed and len(self.every) == _FEWEST:
-            # Two meshes do not show an order of convergence, and the third mesh failed.
+            # Two meshes do not show an order of convergence, and the solution on a third mesh failed.
             return np.full(np.shape(at_points), SLOWEST)
         return np.where(at_points, FASTEST_OF_POINTS, FASTEST)
 
@@ -217,12 +219,12 @@ def compared(
     probes: Floats,
     named: Sequence[tuple[Sequence[Singularity], Bools]],
 ) -> tuple[Floats, Bools]:
-    """Return half-widths (n, k) of n numbers of k results, NaN without one, and a mask (n, k) of unlimited numbers.
+    """Return half-widths (n, k) of n numbers of k results, and a mask (n, k) of numbers without limit.
 
-    Results, rows of tables and envelopes have the same rule: a half-width does not depend on the other results. Values
-    (m, n, k) are in the order of the meshes, NaN where missing; probes are (q, 2). ``named`` are the singularities of
-    the supports and of each load case, with masks (k,) of the results in which they act. Only numbers for which a
-    singularity is named can be without limit.
+    A half-width is NaN where it is unknown. It does not depend on the other results, so that results, rows of tables
+    and envelopes have the same half-widths. ``values`` (m, n, k) are in the order of the meshes, NaN where missing;
+    ``probes`` (q, 2) are positions. ``named`` are the singularities of the supports and of each load case, with masks
+    (k,) of the results in which they act. Only numbers near a singularity in ``named`` can be without limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]
@@ -259,7 +261,7 @@ def compared(
 
 
 def compare(result: Result, others: Sequence[Result], warning: str = "") -> Estimate:
-    """Compare a result with those on one or two other meshes; a warning says why there are not more."""
+    """Compare a result with results on one or two other meshes; ``warning`` says why there is only one, or none."""
     if result.plates:
         return _compare_plates(result, others, warning)
     meshes = Meshes.of(result.mesh, [one.mesh for one in others], bool(warning))
@@ -276,9 +278,9 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
     warnings = [warning] if warning else []
-    # Singularities of extremes are reported with the table of extremes.
+    # A growing extreme of a field has no warning here, since the table of extremes names its singularity.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
-    # A contact between plates is reported with the upper plate only.
+    # The plate below does not report a contact between plates; the upper plate does.
     upon = {index for index, support in enumerate(result.supports) if support.upon}
     growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
@@ -315,9 +317,9 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
 
 
 def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
-    """The plate (k,) of each extreme (k,) over p plates, given the extremes and half-widths (p, k) of each plate.
+    """The plate (k,) that has each extreme ``values`` (k,), from ``own`` extremes and ``widths`` (p, k) of p plates.
 
-    If several plates have the same extreme, the one with the largest half-width counts.
+    If several plates have the same extreme, the plate with the largest half-width is returned.
     """
     away = np.nan_to_num(np.abs(own - values), nan=np.inf)
     ordered = np.where(away == away.min(axis=0), np.nan_to_num(widths, nan=np.inf), -1.0)
@@ -325,7 +327,7 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen design moments at probes that are 0 on every mesh, by the amount that their moments may exceed zero."""
+    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero."""
     for row, one in enumerate(numbers):
         if one.home != "probe" or one.quantity.name not in DESIGN_MOMENTS:
             continue
@@ -338,5 +340,5 @@ def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, 
 
 
 def known(width: float) -> float | None:
-    """Return the half-width; None if it is NaN."""
+    """Return a half-width as a number; None if it is NaN."""
     return None if math.isnan(width) else float(width)

@@ -1,4 +1,4 @@
-"""Half-widths of numbers from several meshes, and the largest numbers of each kind as their references."""
+"""Half-widths of numbers from several meshes, and the largest number of each kind as its reference."""
 
 from __future__ import annotations
 
@@ -19,27 +19,28 @@ from signorini.shapes.distances import distances
 from signorini.singularities.singularity import Singularity
 
 FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
-"""Largest order of convergence that is trusted. A higher apparent order on three meshes may be chance. Under a point
-force the deflection of a Mindlin plate converges with the logarithm of the mesh size, slower than any power.
+"""Largest order of convergence that is trusted: in general, and with forces at points. A higher apparent order on three
+meshes may be chance. Under a point force the deflection of a Mindlin plate converges with the logarithm of the mesh
+size, slower than any power.
 """
 
 SLOWEST = 0.2
 """Order assumed if changes do not shrink: the remaining error is then seven times the last change."""
 
 _OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
-"""Smallest last change that is assumed, relative to the change before it; the second for coarse meshes. Two meshes may
-agree by chance.
+"""Smallest last change that is assumed, relative to the change before it: in general, and on coarse meshes. Two meshes
+may agree by chance.
 """
 
 _GROWS = 0.85
-"""Smallest ratio of successive changes, at half the mesh size, of a number without limit. It is at least 0.9 at points
-and corners, at most 0.7 for numbers that converge."""
+"""Smallest ratio of the last change to the change before it, at half the mesh size, of a number without limit. The
+ratio is at least 0.9 at points and corners, and at most 0.7 for numbers that converge."""
 
 _COUNTS = 0.02
-"""Smallest change, relative to the largest value of the field, that counts as growth."""
+"""Smallest change, relative to the largest value of the field, at which a number can count as growing without limit."""
 
 _ROUNDING = 1e-10
-"""Rounding error, relative to the largest number of the same kind."""
+"""Rounding error of a number, relative to the largest number of its kind."""
 
 
 def half_widths(
@@ -97,27 +98,29 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Mask (...) of numbers (2 or 3, ...) whose change is noticeable, and at least half of the previous change."""
+    """Mask (...): whether the last change of numbers (2 or 3, ...) is noticeable and at least half the one before."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
 
 
 def rounded(widths: Floats) -> Floats:
-    """Round half-widths to three digits."""
+    """Round half-widths to three significant digits."""
     known = widths > 0
     power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
-    # Powers of ten up to 10²² are exact, so the result has three digits when it is written.
+    # Powers of ten up to 10²² are exact, so that the quotient is written with three digits.
     up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
 
 _OF_VECTOR, _OF_POINTS = 0.25, 0.1
-"""Smallest change that is assumed, relative to the largest change among the components of a vector, and among the
-points of a support.
+"""Smallest change of a number that is assumed: relative to the largest change among the components of its vector, and
+among the points of its support.
 """
 _BENT = 0.01
-"""Smallest reference of each kind of number, relative to the value that fits the largest deflection or moment."""
+"""Smallest reference of each kind of number, relative to the number of this kind that fits the largest deflection or
+moment.
+"""
 
 
 def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
@@ -132,7 +135,7 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
     result, known = np.empty_like(changes), np.nan_to_num(changes)
     for key, members in groups.items():
         quantity = numbers[members[0]].quantity
-        # Principal and design moments depend on all components.
+        # Principal and design moments depend on all components of the moment.
         vectors = {LINEAR[name].vector for name in quantity.parents if LINEAR[name].kind == quantity.kind}
         related = [place for vector in vectors for place in groups.get((*key[:2], vector), [])]
         result[members] = known[[*members, *related]].max(axis=0)
@@ -157,10 +160,11 @@ def acts_at_points(model: Model) -> bool:
 def may_grow(
     numbers: Sequence[Number], model: Model, probes: Floats, singular: Sequence[Singularity], reach: float
 ) -> Bools:
-    """Mask (n,) of numbers that may grow without limit, since a singularity is within ``reach``.
+    """Mask (n,) of numbers that may grow without limit, since a singularity is within the distance ``reach``.
 
-    Numbers of a support are affected by its own singularities, envelopes by any singularity. Deflections grow
-    everywhere under a support with a logarithmic singularity of the deflection. ``probes`` are (q, 2).
+    Numbers of a support are affected by its own singularities, extremes of fields by any singularity. Deflections grow
+    everywhere if a support has a logarithmic singularity of the deflection. ``probes`` (q, 2) are the positions of
+    probes.
     """
     supports = [support.name for support in model.support]
     result = np.zeros(len(numbers), np.bool_)
@@ -179,14 +183,14 @@ def may_grow(
 
 
 def away(points: Floats, singularity: Singularity) -> Floats:
-    """Distances (q,) of points (q, 2) from a singularity."""
+    """Distances (q,) of points (q, 2) from the nearest point of a singularity."""
     where = np.array(singularity.where).reshape(-1, 2)
     begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
     return np.asarray(distances(points, begin, end).min(axis=1, initial=math.inf))
 
 
 def largest_of(result: Result) -> Mapping[str, float]:
-    """Largest number of every kind: fields at nodes, the sum of all reactions, pressures of areas."""
+    """Largest number of every kind in a result: fields at nodes, the sum of all reactions, pressures of areas."""
     each = [_largest_of_plate(plate) for plate in result.members.values()]
     return {kind: max(of[kind] for of in each) for kind in each[0]}
 
@@ -222,9 +226,9 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
 def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
     """Largest number of every kind (k,) in k results, from all their numbers (n, k).
 
-    Only numbers that both results and rows have are used. Each kind has at least a hundredth of the size that fits the
-    other kinds, since some kinds may be rounding alone: moments of a rigid motion, or shears in uniform bending. A
-    hundredth of the gaps counts as deflection.
+    Only numbers that are both in results and in rows of tables are used. Each kind has at least a hundredth of the size
+    that fits the other kinds, since its numbers may all be rounding errors: moments in a rigid motion, or shears in
+    uniform bending. A hundredth of the largest gap counts as a deflection.
     """
     points = {one.owner for one in numbers if one.home == "point"}
     none = np.zeros(values.shape[1])
@@ -250,9 +254,9 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
-    """Smallest references: a hundredth of the forces that fit the plate's deflection or its largest moment.
+    """Smallest references of reactions, moments and shears: a hundredth of those that fit the deflection or moment.
 
-    Sums of reactions may cancel, and a plate may be bent without shears.
+    They are needed since the sum of the reactions may be zero, and a plate may be bent without shears.
     """
     span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
     rigidity = model.young * float(thickness.max()) ** 3 / 12
@@ -271,14 +275,14 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
 
 
 def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> dict[str, Floats]:
-    """Stresses of the largest moment and shear at the thinnest part of the plate."""
+    """Stresses that the largest moment and the largest shear cause at the thinnest part of the plate."""
     thickness = float(sections_at(model, mesh.points)[0].min())
     stress, shear = 6.0 * np.asarray(sizes["moment"]) / thickness**2, 1.5 * np.asarray(sizes["shear"]) / thickness
     return {"stress": stress, "shear_stress": shear}
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
-    """Return stiffness thicknesses (n,) at points, all rigidities, and the index (n,) of each point's rigidity."""
+    """Stiffness thicknesses (n,) at points (n, 2), all rigidities, and the index (n,) of the rigidity at each point."""
     zones, nominal = Zones.anywhere(model), np.empty(len(points))
     made = zones.made_at(points)
     for number in np.unique(made.thickness):
@@ -288,7 +292,7 @@ def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity
 
 
 def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
-    """Name numbers in words, for warnings."""
+    """Text that names numbers and their owners, for warnings."""
     said: dict[str, list[str]] = {}
     for one in numbers:
         what = (one.quantity.words or one.quantity.name).partition(",")[0].replace("_", " ")
@@ -317,5 +321,5 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
 
 
 def side(mesh: Mesh) -> float:
-    """Mean side of a mesh's elements."""
+    """Side of the square that has the mean area of a mesh's elements."""
     return float(np.sqrt(mesh.element_area.mean()))

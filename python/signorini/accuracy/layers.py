@@ -32,23 +32,26 @@ _SEEN = 2.65
 """Factor in x = 2.65 h/s with thickness h and element size s; elements resolve the part x tanh(1/x) of the layer. On
 simply supported squares with h/a = 0.01 and 0.001, `_left` is right to 0.03 for s = 0.6 h to 100 h."""
 _TWIST_SEEN = 30.0
-"""Elements of size s leave 1 / (1 + 30 (δ/s)²) of the twist at edges. On squares with two free edges this is right to
-0.06 for s = 0.7 h to 50 h."""
+"""Factor in 1 / (1 + 30 (δ/s)²), the part of the twist at edges that elements of size s do not resolve. On squares with
+two free edges this part is right to 0.06 for s = 0.7 h to 50 h."""
 _FADED = 12.0
-"""Largest distance from an edge, in δ, at which the layer counts: e⁻¹² of it remains there."""
+"""Largest distance from an edge, in δ, at which the layer counts: there the layer's fields are e⁻¹² of those at the
+edge.
+"""
 _PER_WIDTH = math.sqrt(10.0)
-"""Ratio h/δ of solid plates with κ = 5/6, for which the constants above were measured."""
+"""Ratio h/δ of solid plates with κ = 5/6, for which the preceding constants were measured."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
-"""Parameters at which curved element sides are divided into straight parts; an arc differs little from these."""
+"""Parameters at which curved element sides are divided into straight parts; the parts differ little from an arc."""
 _ON_EDGE = 1e-6
-"""Tolerances relative to the plate's size: for a point on the edge, and for an edge parallel to an axis."""
+"""Tolerance relative to the plate's size for a point on the edge; also the tolerance for an edge parallel to an axis.
+"""
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
-    """Part of a field in the layer along edges with free twist that no mesh resolves.
+    """Part of a field in the layer along edges with free twist that none of the compared meshes resolves.
 
-    ``sizes`` are the sides of elements on the finest meshes. Changes between these meshes, and the expected changes on
-    finer ones, are excluded: the comparison of meshes covers them.
+    ``sizes`` are the sides of elements on the finest meshes. The part excludes changes between these meshes and the
+    expected changes on finer meshes, which the comparison of meshes covers.
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
@@ -68,11 +71,12 @@ def unseen_at_edges(
     mesh: Mesh,
     finer: float,
 ) -> dict[Key, Floats]:
-    """Errors (k,) of moments and shears of k results, caused by the unresolved part of the layer along edges.
+    """Errors (k,) of moments and shears in k results, caused by the unresolved part of the layer along edges.
 
-    Errors at probes follow from the twist and shear there. The error of the largest shear follows from the largest mxy
-    if the edges are parallel to the axes, else from the largest moment. ``numbers`` (k,) are those on the finest mesh;
-    ``most`` (k,) are the largest moments. ``finer`` is the element size of the finest mesh, relative to this mesh.
+    Errors at probes follow from the twist and shear at the probes. The error of the largest shear follows from the
+    largest mxy if the edges are parallel to the axes, otherwise from the largest moment. ``numbers`` (k,) are those on
+    the finest mesh, ``most`` (k,) the largest moments. ``finer`` is the ratio of the finest mesh's element size to that
+    of ``mesh``.
     """
     result, sides = dict[Key, Floats](), _sides(model, mesh)
     if not len(sides):
@@ -93,7 +97,7 @@ def unseen_at_edges(
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[key]) for key in _ends("mxy") if key in numbers]
-    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # the edges are parallel to the axes
+    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # every edge is parallel to x or y
         most = np.maximum(*peaks)
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())
@@ -108,7 +112,7 @@ def unseen_at_edges(
             continue
         mx, my, mxy, qx, qy = (numbers["probe", number, name] for name in RESULTANTS)
         x, y, delta, left = np.stack([nx, ny, width, unseen * np.exp(-away / width)])[:, near, None]
-        # At the edge the exact value is zero, so the error is the whole value.
+        # At the edge the exact twist is zero, so the error is the whole twist.
         on = away[near, None] <= _ON_EDGE * mesh.size
         twist = np.where(on, 1.0, left) * np.abs(x * y * (my - mx) + (x**2 - y**2) * mxy)
         across = np.where(on & free[near, None], 1.0, left) * np.abs(x * qx + y * qy)
@@ -153,6 +157,6 @@ def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
 
 
 def _left(thickness: float, size: float) -> float:
-    """Part of the layer that elements of a size do not resolve."""
+    """Part of the layer, 0 to 1, that elements of a given size do not resolve, by `_SEEN`."""
     seen = _SEEN * thickness / size
     return 1.0 - seen * math.tanh(1.0 / seen)

@@ -1,4 +1,4 @@
-"""Choice of the meshes for comparison, and of the next mesh in refinement to a requested accuracy."""
+"""Choice of the meshes with which a result is compared, and of the next mesh in refinement to a requested accuracy."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from signorini.shapes.outlines import Point
 
 _LEAST_ALONG, _LEAST = 16, 2500
 """Smallest numbers of elements, along a side and in total, of meshes that are compared with coarser ones. Half-widths
-of 1000 elements compared with 250 and 64 cover 94 to 96 % of true errors, with finer meshes 99 %."""
+from 1000, 250 and 64 elements cover 94 to 96 % of true errors; half-widths from finer meshes cover 99 %."""
 
 _FEWEST_ALONG = 2
 """Smallest number of elements along the longer side of a mesh that can be coarsened."""
 
 _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
-"""Largest numbers of elements of affordable meshes of half and of a quarter of the element size: both take a second or
-two.
+"""Largest numbers of elements of finer meshes for comparison, with half and with a quarter of the element size. Their
+solution takes a second or two.
 """
 
 
-_GROWTH = 1.3
-"""Exponent of the solution time as a function of the number of elements, approximate."""
+_WORK_EXPONENT = 1.3
+"""Approximate exponent p of the solution time, which grows as (number of elements)^p."""
 
 
 @dataclass(frozen=True)
 class OtherMesh:
-    """A model on another mesh, whose elements are ``factor`` times as large along a side.
+    """A model on another mesh, whose elements have ``factor`` times the side of the elements of its own mesh.
 
-    If ``mesh`` is None, the options of ``model`` give the mesh.
+    If ``mesh`` is None, the mesh follows from the options of ``model``.
     """
 
     model: Model
@@ -53,15 +53,15 @@ class OtherMesh:
 
     @property
     def work(self) -> float:
-        """Estimated solution time, relative to that on the own mesh."""
-        return math.pow(self.factor, -2.0 * _GROWTH)
+        """Estimated solution time, relative to the time on the model's own mesh."""
+        return math.pow(self.factor, -2.0 * _WORK_EXPONENT)
 
 
 def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
-    """Yield tuples of meshes to compare with, the best tuple first.
+    """Yield tuples of meshes with which a mesh can be compared, the best tuple first.
 
-    The first two meshes of a tuple are compared. A third mesh replaces one that cannot be solved, or that differs too
-    little.
+    The first two meshes of a tuple are compared. The third mesh replaces a mesh that cannot be solved, or that differs
+    too little.
     """
     if model.plates:
         yield from _beside_plates(model, mesh)
@@ -69,23 +69,23 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     count, plate = len(mesh.elements), model.plate
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
-        # If the outline fixes the element size, other size options give the same mesh; so elements are divided.
+        # If the outline fixes the element size, other size options give the same mesh. Therefore elements are divided.
         quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
         larger = [] if isinstance(plate, MeshPlate) else [_scaled(model, mesh, 2.0)]
         cheap = 16 * count <= _CHEAP_QUARTER
         yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
-    # `divisions` do not include refined places, so then the size follows from the number of elements.
+    # `divisions` do not include refined places; then the number along a side follows from the number of elements.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
-    # All meshes of a refinement to an accuracy are compared with finer ones. Otherwise half-widths would jump where
-    # comparison with coarser meshes begins.
+    # In a refinement to an accuracy, all meshes are compared with finer meshes.
+    # Half-widths would jump if some meshes were compared with finer meshes and others with coarser meshes.
     asked = model.mesh.accuracy is not None
     coarse = along < _LEAST_ALONG or count < _LEAST or asked
     if coarse and 16 * count <= _CHEAP_QUARTER:
         yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
     if coarse and (asked or 4 * count <= _CHEAP):
-        # Lines that the mesh follows may rule out larger elements; a quarter of the size is then used.
+        # If lines that the mesh follows make larger elements impossible, a quarter of the element size is used.
         instead = [0.25] if 16 * count <= _CHEAP else []
         yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
     if along > 1:
@@ -93,12 +93,12 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     if not coarse and 4 * count <= _CHEAP:
         yield (_scaled(model, mesh, 0.5),)
     if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
-        # Refined places or small outlines may fix the size of most elements; so elements are divided.
+        # Refined places or small outlines may fix the size of most elements. Therefore elements are divided.
         yield (_divided(model, mesh, 0.5),)
 
 
 def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
-    """Yield the tuples of `meshes_beside` for several plates; the elements of all plates have one factor."""
+    """Yield the tuples of `meshes_beside` for several plates; elements of all plates change by the same factor."""
     if any(isinstance(plate, MeshPlate) for plate in model.plates.values()):
         return
     count = len(mesh.elements)
@@ -111,15 +111,15 @@ def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
 
 
 def _along(model: Model, count: int) -> int:
-    """Estimated number of elements along the shorter side of a plate; for several plates the smallest of these."""
+    """Estimated number of elements along the shorter side of a plate; for several plates the smallest number."""
     each = [part.model.divisions for part in model.parts]
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
 
 def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
-    """Return meshes of two and four times the element size or, if these two are equal, of a half and a quarter.
+    """Return meshes of two and four times the element size or, if these are the same mesh, of a half and a quarter.
 
-    The tuple is empty if the input gives the mesh, or if there is one element along a side.
+    The tuple is empty if the input gives the mesh, or if there is only one element along a side.
     """
     count, rows = len(mesh.elements), None if model.plates or model.mesh.refine else model.divisions
     along = _along(model, count) if model.plates else math.isqrt(count) if rows is None else max(rows)
@@ -152,48 +152,50 @@ def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
 
 
 def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
-    """Return a mesh with every element divided into four, once or twice."""
+    """Return a mesh with every element divided once into four (``factor`` 0.5) or twice (0.25)."""
     return OtherMesh(model, divided(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided", factor)
 
 
 _MOST_STEPS = 12
 _TRIED, _GAINED, _TWICE = 3, 0.8, 2
-"""Number of successive meshes that must together gain accuracy if they double the elements, and the factor of that
-gain."""
+"""Refinement ends if the last three meshes double the number of elements, but the smallest half-width of these meshes
+is above 0.8 times that of all earlier meshes."""
 ORDER = 1.5
-"""Expected order of convergence of half-widths in the element size."""
+"""Expected order of convergence p of half-widths: they decrease as (element size)^p."""
 _LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
-"""Smallest and largest factor by which elements shrink from one mesh to the next, over the whole plate; the last is the
-largest at single places.
+"""Smallest and largest factor by which elements shrink from one mesh to the next over the whole plate, and largest
+factor at single places.
 """
 _GROWTH = 0.25
-"""Growth of element size per distance from small elements."""
+"""Increase of the element size per distance from places with small elements."""
 _PARTS = 3.0
-"""Length of the parts into which a line is divided, in mean element sizes; each part has its own refinement."""
+"""Length of the parts into which a line is divided, in mean element sizes. Each part is refined by its own factor."""
 _AIM = 0.5
-"""Places are refined to this part of the accuracy, including places within it: a new mesh of an outline also moves
-numbers at places that it does not refine."""
+"""Aim of refinement at places, relative to the requested accuracy. Places that meet the accuracy but not this aim are
+refined too, since another mesh of an outline also moves numbers at places that it does not refine."""
 _TWINS = 1.25
-"""Memory for two meshes, one of half the element size of the other, relative to the memory for the finer one."""
+"""Memory for a mesh and one of half its element size together, relative to the memory for the finer mesh."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
-"""Smallest ratios of element sizes: of neighbouring bands that are joined; to the rest, of a band that is omitted."""
+"""Smallest ratio of element sizes of neighbouring bands that are joined, and smallest ratio to the element size of the
+rest at which a band is omitted.
+"""
 
 
 @dataclass(frozen=True)
 class Refined:
-    """One of the meshes of a refinement to a requested accuracy."""
+    """One mesh of a refinement to a requested accuracy."""
 
     elements: int
     dofs: int
     worst: float
-    """Largest half-width, relative to the largest value of its field."""
+    """Largest half-width among the numbers, relative to the largest value of the number's field."""
     what: str
-    """Name of the number with this half-width."""
+    """Name of the number that has this largest half-width."""
     expected: int
-    """Estimated number of elements for the requested accuracy."""
+    """Estimated number of elements with which the requested accuracy is reached."""
 
     def said(self, asked: float) -> str:
-        """Say the accuracy reached, and the elements and memory that the asked accuracy would take."""
+        """State the accuracy reached, and the elements and memory that the requested accuracy ``asked`` would need."""
         result = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
         return result if self.worst <= asked else f"{result}. ± {asked:g} would take {_cost(self.expected)}"
 
@@ -213,7 +215,7 @@ class _Wide:
 
     @property
     def place(self) -> tuple[Point, ...]:
-        """Point or line of the number; empty for numbers of the whole plate."""
+        """Point or line to which the number belongs; empty for numbers of the whole plate."""
         model, one = self.result.model, self.number
         match one.home:
             case "probe" if one.quantity.kind not in ("deflection", "rotation"):
@@ -231,10 +233,10 @@ class _Wide:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A point or straight part of a line at which half-widths exceed the request.
+    """A point or a straight part of a line at which half-widths exceed the request.
 
-    ``size`` is the element size there. ``part`` is the largest half-width there, relative to the largest value of its
-    field.
+    ``size`` is the element size at this place. ``part`` is the largest half-width at this place, relative to the
+    largest value of its field.
     """
 
     ends: tuple[Point, ...]
@@ -242,7 +244,7 @@ class _Piece:
     part: float
 
     def smaller(self, asked: float, most: float) -> float:
-        """Element size that is expected to suffice, but at least ``size / most``."""
+        """Element size that is expected to reach the accuracy ``asked``, but at least ``size / most``."""
         return self.size / float(np.clip((self.part / (_AIM * asked)) ** (1 / ORDER), 1.0, most))
 
     def refinement(self, size: float) -> Refinement:
@@ -250,7 +252,7 @@ class _Piece:
 
 
 def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) -> Refined | None:
-    """Return the mesh with its largest relative half-width; None if no number has a half-width.
+    """Return the mesh of the estimates with its largest relative half-width; None if no number has a half-width.
 
     ``before`` are the previous meshes of the refinement.
     """
@@ -271,7 +273,7 @@ def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) 
 
 
 def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
-    """Yield the numbers with half-widths that must be accurate.
+    """Yield the numbers that must be accurate, with their half-widths.
 
     Extremes of fields, of reactions per length and of concentrated forces are excluded: probes say where a field must
     be accurate. Stresses are excluded, since they are as accurate as moments and shears.
@@ -294,7 +296,7 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 
 
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
-    """Mask of the points on a line that supports or loads the plate, where shears jump."""
+    """Mask of the points on a line that supports or loads the plate, since shears jump across such a line."""
     at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
     for item in supports_and_loads(model):
         if item.where.curve is not None:
@@ -303,7 +305,7 @@ def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
 
 
 def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
-    """Observed order of convergence in the number of elements; at least the expected order."""
+    """Exponent r with half-width ∝ (number of elements)^−r, as observed; at least the expected exponent."""
     least = 0.5 * ORDER
     if not before or not count > before[0].elements:
         return least
@@ -312,7 +314,7 @@ def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
 
 
 def unknown(asked: float) -> str:
-    """Warn that the accuracy is unknown, since no other mesh could be solved."""
+    """Return the warning that the accuracy is unknown, since no other mesh could be solved."""
     return f"The accuracy of {asked:g} that was asked for is not known to be reached: no number has a half-width (±)."
 
 
@@ -323,7 +325,7 @@ def _cost(elements: int) -> str:
 
 
 def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
-    """Return the model with the next mesh, or None; and, if the accuracy is not reached, the reason."""
+    """Return the model with the next mesh, or None; and the reason if the accuracy is not reached, else ""."""
     asked, plate, reached = model.mesh.accuracy, model.plate, steps[-1]
     assert asked is not None and not isinstance(plate, MeshPlate)
     if reached.worst <= asked:
@@ -357,7 +359,8 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
 def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:
     """Mesh options with smaller elements at the places of inaccurate numbers, and the estimated number of elements.
 
-    Numbers without a place refine the whole plate. So does ``everywhere``, if refinement at places did not help.
+    A number without a place refines the whole plate. The whole plate is also refined if ``everywhere``, since
+    refinement at places did not help.
     """
     asked, plate = model.mesh.accuracy, model.plate
     assert asked is not None and not isinstance(plate, MeshPlate)
@@ -373,7 +376,7 @@ def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool
 
 
 def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
-    """Largest relative half-width of numbers without a place, and the points and lines to refine."""
+    """Largest relative half-width of numbers without a place, and the points and parts of lines to refine."""
     whole, parts = 0.0, dict[tuple[Point, ...], float]()
     for number in _numbers(estimates):
         if number.part > _AIM * asked:
@@ -399,7 +402,7 @@ def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, l
 
 
 def _count(mesh: Mesh, shrinking: float, pieces: Sequence[_Piece], sizes: Sequence[float]) -> int:
-    """Estimated number of elements if all shrink by the factor ``shrinking``, and those at pieces to ``sizes``."""
+    """Estimated number of elements if all shrink by the factor ``shrinking``, and those at ``pieces`` to ``sizes``."""
     side = np.sqrt(mesh.element_area) / shrinking
     middles = mesh.points[mesh.elements[:, :4]].mean(axis=1)
     for piece, size in zip(pieces, sizes, strict=True):
@@ -409,7 +412,7 @@ def _count(mesh: Mesh, shrinking: float, pieces: Sequence[_Piece], sizes: Sequen
 
 
 def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -> MeshOptions:
-    """Mesh options of a rectangle with smaller elements in the columns and rows where moments bend most."""
+    """Mesh options of a rectangle with smaller elements in columns and rows with large curvature of moments."""
     mesh = solved[0].mesh
     (x, y), (a, b) = plate.origin, plate.size
     bands: list[Refinement] = []
@@ -417,7 +420,7 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
     for axis, length in ((0, a), (1, b)):
         joints, bending = _bending(mesh, solved, axis)
         sides = np.diff(joints)
-        # The interpolation error h²m''/8 shall be equal in all elements, and smaller by ``shrinking``².
+        # The interpolation error h²m''/8 shall be equal in all elements, and smaller than now by ``shrinking``².
         target = bending.max() / shrinking**2
         wanted = sides * np.sqrt(np.clip(target / np.maximum(bending, 1e-3 * target), 1 / _MOST**2, 1.0))
         counts.append(max(1, math.ceil(length / wanted.max() - 1e-9)))
@@ -428,9 +431,9 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
 
 
 def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, Floats]:
-    """Grid coordinates (k + 1,) of a rectangle along an axis, and the curvature of moments in each column (k,).
+    """Grid coordinates (k + 1,) of a rectangle along an axis, and the interpolation error of moments per column (k,).
 
-    The curvature is h²|m''|/8, the deviation of a moment from linear within an element: a root mean square over the
+    The error is h²|m''|/8, the deviation of a moment from linear within an element, as a root mean square over the
     column. It is the largest over several results, each relative to its largest moment.
     """
     corners = mesh.points[mesh.elements[:, :4]][..., axis]
@@ -452,7 +455,7 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
 
 
 def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, float, float]]:
-    """Bands (begin, end, size) of neighbouring columns with nearly one size, without bands of the overall ``size``."""
+    """Bands (begin, end, size) of neighbouring columns of nearly one size, except bands with the overall ``size``."""
     result: list[tuple[float, float, float]] = []
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
         if result and result[-1][1] == low and _SAME_SIZE < side / result[-1][2] < 1 / _SAME_SIZE:

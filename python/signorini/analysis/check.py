@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Quality:
-    """Smallest angle [degrees] at a corner of an element, its corner, and the share of area in quadrilaterals."""
+    """Smallest angle of an element in degrees, its corner (x, y), and the share of area in quadrilaterals."""
 
     angle: float
     corner: tuple[float, float]
@@ -46,17 +46,17 @@ class Quality:
 
     @classmethod
     def of(cls, mesh: Mesh) -> Self:
-        """Measure a mesh; angles are those between straight lines from corner to corner, in degrees."""
+        """Measure the angles of a mesh, in degrees, between straight lines from corner to corner of an element."""
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
-        # A triangle repeats its third corner, and a degenerate quadrilateral its first. Either has a side of length
-        # zero.
+        # A triangle repeats its third corner, a degenerate quadrilateral its first corner.
+        # The repeated corner has a side of length zero; the next side is used in place of this side.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
         onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]
         area = onward[..., 0] * back[..., 1] - onward[..., 1] * back[..., 0]
         angle = np.degrees(np.arctan2(area, (onward * back).sum(axis=-1))) % 360.0
-        # Equal right angles differ by rounding; of rounded angles `argmin` takes the first.
+        # Equal right angles differ by rounding. After rounding to nine digits `argmin` takes the first of equal angles.
         element, corner = np.unravel_index(np.argmin(angle.round(9)), angle.shape)
         x, y = at[element, corner].tolist()
         share = float(mesh.element_area[~third].sum() / mesh.element_area.sum())
@@ -65,23 +65,25 @@ class Quality:
 
 _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000
-"""Number of bytes at the beginning of a picture's file in which its metadata are."""
+"""Number of bytes at the beginning of a picture's file that contain its metadata."""
 
 ASKED = 20
-"""Number of rows of a table for which the limit of equilibrium is computed, by a linear program for each load case."""
+"""Number of rows of a table for which the limit of equilibrium is computed; it takes a linear program for each load
+case.
+"""
 
 
 @dataclass(frozen=True)
 class Resultant:
-    """Resultant of the load of one combination, and whether reactions can balance it."""
+    """Resultant of the load of one combination, and whether reactions can balance this load."""
 
     name: str
     force: float
-    """Sum of the vertical forces, positive down."""
+    """Sum of the vertical forces of the load, positive down."""
     at: tuple[float, float] | None
-    """Point (x, y) at which ``force`` alone has the same moments as the load; None where the forces sum to zero."""
+    """Point (x, y) at which ``force`` alone has the same moments as the load; None if the forces sum to zero."""
     couple: tuple[float, float]
-    """Moments of the load about the middle of the plate."""
+    """Moments Σ F (x − x₀) and Σ F (y − y₀) of the load, couples included, about the middle (x₀, y₀) of the plate."""
     message: str
     """Reason why no reactions balance the load; empty if reactions can balance it."""
     brink: bool
@@ -92,7 +94,7 @@ class Resultant:
     with the other cases unchanged.
     """
     axis: tuple[tuple[float, float], tuple[float, float]] | None
-    """Two points of the axis about which the plate tips; None if it does not tip."""
+    """End points of a segment of the axis about which the plate tips; None if it does not tip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ class Check:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences about questionable input and resultants of loads."""
+        """Warnings about questionable input and about resultants of loads."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
         said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
@@ -113,7 +115,7 @@ class Check:
 
     @property
     def singular(self) -> tuple[Singularity, ...]:
-        """Singularities under the load cases in use: places where numbers grow without limit as the mesh is refined."""
+        """Singularities under the load cases in use, at which results grow without limit as the mesh is refined."""
         return singularities(self.discretisation, self._acting)
 
     @property
@@ -127,7 +129,7 @@ class Check:
 
     @property
     def quality(self) -> str:
-        """Sentence with the smallest angle of an element and the share of quadrilaterals."""
+        """Sentence with the smallest angle of an element, and the share of the plate's area in quadrilaterals."""
         return str(Quality.of(self.discretisation.mesh))
 
     @property
@@ -136,12 +138,12 @@ class Check:
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
-        """Draw mesh, supports, loads, resultants and tipping axes to a file.
+        """Draw mesh, supports, loads, resultants and tipping axes to a file, and return the paths of the files.
 
-        The suffix gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. Each of
-        several plates has its own file, see `pictures_of`. Returns the paths of the files.
+        The suffix of ``path`` gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. If
+        there are several plates, each has its own file, see `pictures_of`.
         """
-        # Only this method needs matplotlib.
+        # matplotlib is imported only here.
         from signorini.plot.files import save
 
         require_picture(path)
@@ -156,7 +158,7 @@ class Check:
         return files
 
     def _picture(self, discretisation: Discretisation, numbers: bool) -> Figure:
-        """Draw one plate."""
+        """Draw the picture of one plate."""
         from signorini.plot.picture import BalanceMark
         from signorini.plot.pictures import check_picture
         from signorini.plot.plan import Plan
@@ -182,20 +184,20 @@ class Check:
 
 
 def pictures_of(model: Model, path: str | os.PathLike[str]) -> list[Path]:
-    """Paths of a model's pictures: ``path``, or for several plates one file each, which ends with the plate's name."""
+    """Paths of a model's pictures: ``path`` or, for several plates, one path each, which ends with the plate's name."""
     file = Path(path)
     return [file.with_name(f"{file.stem}-{name}{file.suffix}") for name in model.plates] or [file]
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose suffix is not that of a picture format."""
+    """Raise `InputError` if the suffix of a file is not that of a picture format."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
 
 
 def require_free(path: str | os.PathLike[str]) -> None:
-    """Refuse to overwrite a file, unless its metadata say that signorini drew it."""
+    """Raise `InputError` if a file exists and its metadata do not say that signorini drew it."""
     if not os.path.lexists(path):
         return
     try:
@@ -254,10 +256,11 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
 def _unbalanced(
     discretisation: Discretisation, freedom: RigidFreedom, weighing: Mapping[str, Floats]
 ) -> dict[int, Imbalance]:
-    """Causes of imbalance of the combinations after the first `ASKED`, by row number.
+    """Causes of imbalance of the combinations after the first `ASKED`, by row number of the combination.
 
-    Loads that reactions can balance are a convex set. A linear program over all points is solved only for a combination
-    whose work on the free motions is outside the convex hull of the works of combinations known to be balanced.
+    Loads that reactions can balance are a convex set. The work of each load on the free rigid motions is known. A
+    linear program over all points is solved only if this work is outside the convex hull of the work of loads known to
+    be balanced.
     """
     of_case = {case: work_of(discretisation, freedom, load) for case, load in weighing.items()}
     combinations, nothing = discretisation.model.effective_combinations, np.zeros(freedom.count)
@@ -281,12 +284,12 @@ def _unbalanced(
 
 
 def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
-    """Sum of the cases' vectors times their factors; ``zero`` without cases."""
+    """Sum of the load cases' vectors times their ``factors``; ``zero`` if ``factors`` is empty."""
     return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 
 def _sums(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Resultant (force, mx, my) of a nodal load (3n,) about the middle, summed over all plates."""
+    """Resultant (force, mx, my) of a nodal load (3n,) about the middle of the mesh, summed over all plates."""
     return np.asarray((discretisation.rigid_motions.T @ nodal).reshape(-1, 3).sum(axis=0))
 
 

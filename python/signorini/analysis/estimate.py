@@ -31,15 +31,15 @@ from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
 _NEAR = 0.02
-"""First distance from an event at which another mesh is searched for the same event, relative to the length of the
-path.
+"""First distance from the t of an event at which the same event is searched on another mesh, relative to the path's
+length.
 """
 _FARTHER = 4.0
-"""Ratio of successive search distances."""
+"""Ratio of successive distances from t in the search for an event on another mesh."""
 
 
 def estimate_asked(path: LoadPath, watcher: Watcher | None = None) -> PathEstimate | None:
-    """Estimate a path if its model asks for it and the path can be estimated; else None."""
+    """Estimate a path if its model requests it and the path can be estimated; otherwise return None."""
     return estimate_path(path, watching(watcher, "")) if path.model.estimated and _has_estimate(path) else None
 
 
@@ -49,7 +49,10 @@ def _has_estimate(path: LoadPath) -> bool:
 
 
 def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
-    """Find the events of a path on other meshes; an event without a counterpart on a mesh has no half-width."""
+    """Find the events of a path on other meshes and estimate the error of their t.
+
+    An event that does not occur on one of the meshes has no half-width.
+    """
     asked = [(Watch(None, number), one.t, _falls(path, one)) for number, one in enumerate(path.thresholds) if one.t]
     names = [support.name for support in path.model.support]
     watches = [
@@ -76,7 +79,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every])
     values[np.isinf(values)] = np.nan
     none = np.full(values.shape[1], np.nan)
-    # Where a third mesh has no such event, the agreement of two meshes does not show an order of convergence.
+    # If a third mesh has no such event, the agreement of two meshes does not show an order of convergence.
     alike = meshes.fastest(acts_at_points(path.model))
     fastest = np.where(np.isnan(values).any(axis=0), np.minimum(alike, FASTEST_OF_POINTS), alike)
     size = np.abs(values[meshes.own])
@@ -89,8 +92,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     found_widths = [known(width) for width in rounded(widths).tolist()]
     of_asked = iter(found_widths[count:])
     of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
-    # The end of equilibrium depends on the outlines of the supports or, where supports have limits, on the mesh's
-    # points.
+    # The end of equilibrium depends on the outlines of the supports or, if supports have limits, on the mesh's points.
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
     limited = path.problem.freedom.outline.limited
     if path.ending == "no_equilibrium" and limited and not widths[-1] <= LINEAR * path.limit:
@@ -100,7 +102,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
 
 
 def _falls(path: LoadPath, one: Threshold) -> bool:
-    """Whether the quantity of a threshold falls to its value, and does not rise to it."""
+    """Whether the quantity of a threshold falls to the threshold's value; otherwise it rises to this value."""
     row = next(row for row, stop in enumerate(path.stops) if stop.t == one.t)
     return path.stops[row - 1].number(one.quantity) >= one.value
 
@@ -108,7 +110,7 @@ def _falls(path: LoadPath, one: Threshold) -> bool:
 def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], span: float) -> list[float]:
     """For each ``(watch, t, falls)`` the t of the same event on this mesh, near the given t; NaN if it does not occur.
 
-    If ``falls``, the function becomes negative, as where a point opens; else it becomes positive.
+    If ``falls``, the function of the watch becomes negative, as where a point opens; otherwise it becomes positive.
     """
     state = sampler.state(0.0)
     result = [math.nan] * len(wanted)
@@ -123,7 +125,7 @@ def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], 
 
 
 def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:
-    """Search for the event on the side of t where it must be, at distances that grow fourfold."""
+    """Search for the event on the side of t on which it must be, at distances that grow fourfold."""
     end = sampler.path.end * (1 - AT_LIMIT)
     state = sampler.state(min(t, end), near)
     beyond = (sampler.value(state, watch) >= 0) != falls
@@ -152,7 +154,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
     full : mapping of Estimate
         Estimate of every result in ``results.full``, by combination.
     of_table : EstimatedTable or None
-        Half-widths of a table, if the combinations are its rows.
+        Half-widths of the table, if combinations are rows of a table.
     """
 
     results: Results
@@ -174,12 +176,12 @@ class Estimates(Brief, Mapping[str, Estimate]):
         return iter(self.full)
 
     def __len__(self) -> int:
-        """Count the estimates."""
+        """Number of the combinations that have an estimate."""
         return len(self.full)
 
     @property
     def table(self) -> Mapping[str, Floats]:
-        """Half-widths of the columns of ``results.table``, by ``<column>:plus_minus``; empty without other meshes."""
+        """Half-widths (k,) of columns of ``results.table``, by ``<column>:plus_minus``; empty without other meshes."""
         if self.of_table is not None:
             return self.of_table.widths
         catalogue = self.results.combined.layout.catalogue
@@ -193,7 +195,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @cached_property
     def _listed(self) -> Floats:
-        """Half-widths (k, n) of the n numbers of the table, where all k combinations have an estimate."""
+        """Half-widths (k, n) of the table's n numbers in k combinations, if all combinations have an estimate."""
         catalogue, rows = self.results.combined.layout.catalogue, []
         for name in self.results:
             by_path = self.full[name].result.catalogue.by_path
@@ -227,7 +229,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def no_others(self) -> str:
-        """Reason why meshes of a table's estimate are missing; empty if both were solved."""
+        """Why another mesh for the table's estimate is missing; empty if both were solved or there is no table."""
         return "" if self.of_table is None else self.of_table.why
 
 
@@ -284,7 +286,7 @@ def estimate(
 
 
 def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[str] | None = None) -> Estimates:
-    """Estimate the mesh errors of results; half-widths are also added to the file ``table`` of `signorini.solve`."""
+    """Estimate the mesh errors of results; half-widths are also added to the Parquet file ``table``, if given."""
     calls = 1 if results.model.tabulated else max(1, len(results.full))
     meshes = OtherMeshes(results.model, results.discretisation.mesh, watcher, results.seconds["total"], calls)
     full = estimated(results, meshes) if results.estimates is None else results.estimates
@@ -293,12 +295,12 @@ def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[st
 
 
 def estimated(results: Results, meshes: OtherMeshes) -> dict[str, Estimate]:
-    """Return estimates of all results in ``results.full``, by combination."""
+    """Return the estimates of all results in ``results.full``, by name of the combination."""
     return {name: _estimate(result, meshes) for name, result in results.full.items()}
 
 
 def _estimate(result: Result, meshes: OtherMeshes) -> Estimate:
-    """Solve the combination of a result on other meshes, and compare."""
+    """Solve the combination of a result on other meshes, and compare the results."""
     nothing, combination = np.full(len(result.catalogue), np.nan), result.combination
     if result.status != "solved" or combination is None:
         why = "there is no equilibrium." if result.status != "solved" else "the reactions were given."

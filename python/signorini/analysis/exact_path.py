@@ -1,4 +1,4 @@
-"""Exact load paths: every contact point is followed from event to event; direct solutions confirm the stops."""
+"""Exact load paths: every contact point is followed from event to event; direct solutions confirm some stops."""
 
 from __future__ import annotations
 
@@ -24,23 +24,25 @@ from signorini.results.path_events import Threshold, events_of_stops, first_reac
 from signorini.results.path_stop import PathStop, Switched, path_stops
 
 _SAME = 1e-6
-"""Relative tolerance for equal deflections, relative to the largest, and for equal work."""
+"""Relative tolerance for equal deflections, relative to the largest deflection, and for equal work."""
 _MOVED = 1e-9
-"""Rounding of t, relative to the load, where the plate moves freely: it changes the work by this part of the work's
+"""Rounding error of t, relative to the load, where the plate moves freely: the work changes by this part of its
 magnitude.
 """
 _AT = 1e-12
-"""Relative rounding error of t at an event. Where start and t·add cancel, this part of each remains as a load."""
+"""Rounding error of t at an event, relative to t. Where the loads at t = 0 and t·add cancel, this part of each remains
+as a load.
+"""
 _SAMPLES = 11
-"""Number of parts into which the stops are divided; direct solutions check the stop at each end of a part."""
+"""Number of intervals of stop numbers; direct solutions check the stop at each end of an interval."""
 
 
 def confirmed(
     problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop], watcher: Watcher
 ) -> int:
-    """Number of stops, from the first, that direct solutions confirm.
+    """Number of consecutive stops, from the first, that direct solutions confirm.
 
-    Up to 12 stops are checked. If one fails, halving finds the first stop that fails.
+    Up to 12 stops are checked. If a check fails, bisection finds the first stop at which the direct solution differs.
     """
     last, agreed = len(stops) - 1, -1
     for k in sorted({round(i * last / _SAMPLES) for i in range(_SAMPLES + 1)} if stops else ()):
@@ -61,7 +63,7 @@ def confirmed(
 def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop, watcher: Watcher) -> bool:
     """Whether a direct solution agrees with a stop: in deflections or, if several solutions exist, in work.
 
-    Without a certified direct solution the stop counts as right, since it is certified itself.
+    If no direct solution is certified, the stop counts as right, since its own answer is certified.
     """
     result, load = problem.discretisation, loads[0] + stop.t * loads[1]
 
@@ -78,38 +80,40 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""Largest relative error of the resultant of reactions on a path, which depends on smaller differences than a single
-answer.
+"""Largest relative error of the resultant of the reactions at a stop. Contact states of a path are decided by smaller
+differences than those of a single answer.
 """
 _TURNS = 1e-9
-"""Relative tolerance: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative
-to the segment between two stops."""
+"""Relative tolerances: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative
+to the distance of two stops."""
 _AT_ONCE = 64
 _NUMBERS = 500_000
-"""Largest number of stops that are certified together, and of dofs of all their displacements (arrays of 4 MB)."""
+"""Largest number of stops that are certified together, and largest number of dofs of their displacements together
+(arrays of 4 MB).
+"""
 
 
 @dataclass(eq=False)
 class PathJudge:
-    """Collects and certifies the answers of a path."""
+    """Collects the answers of a path, certifies them, and stores them as stops."""
 
     problem: ContactProblem
     loads: tuple[CaseLoad, CaseLoad]
-    """The loads at t = 0 and per unit of t."""
+    """Load at t = 0, and load added per unit of t."""
     stops: list[PathStop] = field(default_factory=list)
     certificates: list[Certificate] = field(default_factory=list)
-    """Certificates of the judged answers, up to the first failure."""
+    """Certificates of the answers; the list ends before the first answer that fails."""
     doubts: list[int] = field(default_factory=list)
     """Numbers of the stops after which, up to the next stop, the answer may not be unique."""
     first: Pieces | None = None
-    """(m,): pieces of the points' laws at t = 0 and until the first event."""
+    """(m,): pieces of the laws of contact points from t = 0 to the first event."""
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
     _before: tuple[float, Answer] | None = None
     _last: tuple[float, Answer] | None = None
     _shown: Pieces | None = None
 
     def take(self, t: float, points: Ints, answer: Answer) -> None:
-        """Record the answer at t, where ``points`` open or close.
+        """Record the answer at t, where the contact points ``points`` open or close.
 
         Raises `NotCertifiedError` if a certificate fails.
         """
@@ -124,7 +128,7 @@ class PathJudge:
             self.judge()
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
-        """Yield stops before the answer at t at which the reaction of a dependent support changes its sign."""
+        """Yield a stop for each earlier t at which the reaction of a dependent support changes its sign."""
         discretisation = self.problem.discretisation
         if self._last is None or self._last[0] == t or not discretisation.shared:
             return
@@ -143,7 +147,7 @@ class PathJudge:
                 yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
 
     def judge(self) -> None:
-        """Certify the answers that wait, and store them as stops."""
+        """Certify the answers that are recorded but not yet judged, and store them as stops."""
         if not self._waiting:
             return
         result, waiting, self._waiting = self.problem.discretisation, self._waiting, []
@@ -151,7 +155,7 @@ class PathJudge:
         loads = [self.loads[0] + t * self.loads[1] for t in at]
         hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
         pieces = np.array([answer.piece for answer in answers])
-        # Answers with one contact state at both ends of a segment prove the states between.
+        # If the contact state is the same at both ends of a segment, certified ends prove the answers between them.
         before = np.concatenate([pieces[:1] if self._before is None else self._before[1].piece[None], pieces[:-1]])
         made_of = [beside(self.loads, t) for t in at]
         imbalance = imbalances(result, loads, hi, lo)
@@ -174,7 +178,7 @@ class PathJudge:
             least.append(one)
             self.certificates.append(certificate)
         count = len(least)
-        # All points of a dependent group open or close, including those that the path does not follow.
+        # All points of a dependent group open or close together, including those that the path does not follow.
         switched = []
         for row, one in enumerate(least):
             changed = points[row] if self._shown is None else np.flatnonzero(one.piece != self._shown)
@@ -191,7 +195,7 @@ class PathJudge:
             raise NotCertifiedError
 
     def _doubtful(self, at: list[float], answers: list[Answer]) -> Bools:
-        """Mask (k,): whether the answer may not be unique between each t and the previous t."""
+        """Mask (k,): whether the answer may not be unique between each t of ``at`` and the t before it."""
         chain = [*([] if self._before is None else [self._before]), *zip(at, answers, strict=True)]
         doubts = np.zeros(len(chain), np.bool_)
         apart = [row for row in range(1, len(chain)) if chain[row - 1][0] < chain[row][0]]
@@ -204,7 +208,7 @@ class PathJudge:
         return doubts[len(chain) - len(at) :]
 
     def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
-        """Return the least-norm answer at t, held by the points that push just before or after t."""
+        """Return the least-norm answer at t, in which only points push that push just before or after t."""
 
         def elsewhere() -> Iterator[Floats]:
             if before is not None:
@@ -218,7 +222,7 @@ class PathJudge:
 def exact_path(
     problem: ContactProblem, path: PathLoads, until: float | None, asked: tuple[Threshold, ...], watcher: Watcher
 ) -> ExactPath:
-    """Follow every contact point, by each method in turn until one succeeds."""
+    """Follow every contact point with each method in turn, until one succeeds."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in posed_for_methods(problem):
@@ -238,7 +242,7 @@ def exact_path(
 def _trace(
     problem: ContactProblem, direct: ContactProblem, path: PathLoads, until: float | None, watcher: Watcher
 ) -> ExactPath | None:
-    """Follow the path by one method, as far as answers are certified and confirmed; None if the start fails."""
+    """Follow the path with one method while answers are certified and confirmed; None if the start is not certified."""
     result, loads, limits = problem.discretisation, path.loads, path.limits
     judge, at = PathJudge(problem, loads), list[float]()
     method = WORDS[problem.method]

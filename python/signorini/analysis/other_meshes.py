@@ -1,4 +1,4 @@
-"""Solve the plate on other meshes, with one factorization each, and compute half-widths of a table by comparison."""
+"""Solve the plate on other meshes, with one factorization for each mesh, and compute half-widths of a table."""
 
 from __future__ import annotations
 
@@ -36,37 +36,37 @@ _T = TypeVar("_T")
 _OTHERS = 2
 """Number of other meshes with which a result is compared."""
 _OTHER = 0.5
-"""Smallest |log₂(n₁/n₂)| of the element counts of two compared meshes; it is 2 at twice the element size."""
+"""Smallest |log₂(n₁/n₂)| of the element counts n₁, n₂ of two compared meshes. For one twofold refinement it is 2."""
 
 
 class _SameMeshError(SignoriniError):
-    """The outline or refined places fix the element size, so that the mesh hardly changes."""
+    """Raised if another mesh has nearly as many elements, since the outline or refined places fix the element size."""
 
 
 @dataclass(eq=False)
 class OtherMeshes:
-    """Solves a model on meshes other than its own."""
+    """Solves a model on other meshes than its own, one mesh after the other."""
 
     model: Model
     mesh: Mesh
     """The model's own mesh, with which other meshes are compared."""
     watcher: Watcher
-    """Called with a `Progress`. An exception in it ends the solution and reaches the caller."""
+    """Called with a `Progress` for each step. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Seconds of the solution on the model's own mesh, for all calls of `solved` together."""
+    """Duration of the solution on the model's own mesh in seconds; the expected calls of `solved` count together."""
     calls: int = 1
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)
     _done: tuple[float, float] = (0.0, 0.0)
-    """Completed work, as a multiple of one call on the own mesh, and the seconds that it took."""
+    """Completed work, relative to the work of one call on the own mesh, and its duration in seconds."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Call ``solve`` on one or two other meshes; return its values, and the reason if there are less than two."""
+        """Call ``solve`` on one or two other meshes; return the values, and a warning if solving on a mesh failed."""
         return self._first(meshes_beside(self.model, self.mesh), solve, "a finer mesh would take too long.")
 
     def solved_for_path(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Call ``solve`` on one or two other meshes for a path, like `solved`."""
+        """Call ``solve`` on one or two other meshes for a load path; return values and warning as `solved` does."""
         pairs = [pair] if (pair := meshes_beside_path(self.model, self.mesh)) else []
         return self._first(pairs, solve, "this mesh cannot be coarsened.")
 
@@ -101,10 +101,10 @@ class OtherMeshes:
         number: int,
         beside: Iterable[str] = (),
     ) -> _T:
-        """Call ``solve`` on another mesh, unless another known mesh has about as many elements.
+        """Call ``solve`` on another mesh, unless a mesh with about as many elements was already solved.
 
-        Known are the own mesh and those in ``beside``. ``number`` is the mesh's number in progress reports; the own
-        mesh is 1.
+        These meshes are the own mesh and those in ``beside``. ``number`` is the mesh's number in progress reports; the
+        own mesh is 1.
         """
         total = self.calls * sum(one.work for one in pair)
 
@@ -114,7 +114,7 @@ class OtherMeshes:
 
         if other.words not in self._problems:
             watch(Progress(stage="mesh"))
-            # The requested method may be slow on a finer mesh. Any method gives the same certified answer.
+            # The method of the input may be slow on a finer mesh; any method gives the same certified answer.
             solver = other.model.solver.model_copy(update={"method": "auto"})
             discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]
@@ -128,14 +128,17 @@ class OtherMeshes:
         return result
 
     def _left(self, total: float) -> float:
-        """Estimated seconds for the remaining work, from the speed of completed work or, at first, on the own mesh."""
+        """Estimated seconds for the remaining work, from the speed of completed work or, at first, of the own mesh."""
         done, spent = self._done
         each = spent / done if done else self.seconds / self.calls
         return max(0.0, each * (total - done) - (time.monotonic() - self._begun - spent))
 
 
 def without(count: int, why: str) -> str:
-    """Warning that ``count`` other meshes (0 or 1) were compared, in place of two, and why."""
+    """Warning about half-widths from ``count`` other meshes, with the reason ``why``.
+
+    With ``count`` 2, the two meshes are not the first that were tried.
+    """
     what = (
         "No half-width (±) says how far the mesh is from the plate",
         "Half-widths (±) are widened, they come from one other mesh alone",
@@ -146,25 +149,25 @@ def without(count: int, why: str) -> str:
 
 ENDING = ":plus_minus"
 _TOGETHER = 4096
-"""Number of rows that are compared at once."""
+"""Number of rows of a table that are compared at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class EstimatedTable:
-    """Half-widths of a table, from the same table on other meshes."""
+    """Half-widths of a table, computed by comparison with the same table on other meshes."""
 
     others: tuple[tuple[Combined, Mesh], ...]
-    """Results and mesh of each other mesh; empty if none could be solved."""
+    """Table and mesh for each other mesh; empty if none could be solved."""
     why: str
-    """Reason why meshes are missing; empty if two were solved."""
+    """Reason why another mesh is missing; empty if two other meshes were solved."""
     widths: Mapping[str, Floats] = field(default_factory=dict)
     """Half-widths (k,) of the columns, by ``<column>:plus_minus``; empty if the table is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
-    """Half-widths of the extremes of envelopes, by column and row, if the table is in a file."""
+    """Half-widths of the extremes of envelopes by (column, row), if the table is in a file."""
 
     @classmethod
     def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:
-        """Solve the table on other meshes and compare; half-widths are added to the columns of a table in a file."""
+        """Solve the table on other meshes and compare; half-widths are added to the file ``table``, if given."""
         files: list[Path] = []
 
         def solved(other: ContactProblem, watcher: Watcher) -> tuple[Combined, ContactProblem]:
@@ -194,7 +197,7 @@ class EstimatedTable:
                 file.unlink()
 
     def width(self, column: str, row: int) -> float | None:
-        """Return the half-width of an extreme of an envelope; None without one."""
+        """Return the half-width of an extreme of an envelope, by column and row; None if it is unknown."""
         if self.picked:
             return known(self.picked.get((column, row), np.nan))
         return known(self.widths[column + ENDING][row]) if column + ENDING in self.widths else None
@@ -202,7 +205,7 @@ class EstimatedTable:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Compares the rows of a table on several meshes."""
+    """Compares the rows of a table on several meshes, many rows at once."""
 
     discretisation: Discretisation
     layout: Layout
@@ -211,9 +214,10 @@ class _Rows:
     def widths(
         self, tables: Sequence[Mapping[str, Column]], combinations: Sequence[Combination]
     ) -> Mapping[str, Floats]:
-        """Half-widths (k,) of the columns, by ``<column>:plus_minus``; ``tables`` are in the order of the meshes.
+        """Half-widths (k,) of the columns of k rows, by ``<column>:plus_minus``.
 
-        They are NaN where a number has no half-width, or a mesh no equilibrium.
+        ``tables`` are in the order of the meshes. A half-width is NaN if it is unknown, or if a mesh has no
+        equilibrium.
         """
         told = [one for one in self.layout.catalogue if one.quantity.kind != "count"]
         numbers: list[Number] = [one for one in told if all(one.column in table for table in tables)]
@@ -236,7 +240,7 @@ class _Rows:
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
-        """Return indices (k,) in ``numbers`` of one plate's numbers, and these numbers by the plate's own names."""
+        """Return the indices (k,) in ``numbers`` of one plate's numbers, and these numbers as in the plate's model."""
         if not self.discretisation.plates:
             return np.arange(len(numbers)), list(numbers)
         catalogue, own = self.layout.catalogue, self.layout.members[plate].catalogue
@@ -253,7 +257,7 @@ class _Rows:
     def _named(
         discretisation: Discretisation, combinations: Sequence[Combination]
     ) -> list[tuple[Sequence[Singularity], Bools]]:
-        """Singularities of the supports, with a mask of all rows, and of each load case, with a mask of its rows."""
+        """Singularities of supports, with a mask of all rows; then those of each load case, with a mask of its rows."""
         acting = [one.acting for one in combinations]
         result: list[tuple[Sequence[Singularity], Bools]] = [
             (singularities_of(discretisation), np.ones(len(acting), np.bool_))
@@ -268,8 +272,8 @@ class _Rows:
 def _widen(
     table: Path, files: Sequence[Path], rows: _Rows, order: Sequence[int], combined: Combined
 ) -> Mapping[tuple[str, int], float]:
-    """Add columns of half-widths to a table in a file; return the half-widths of the extremes of envelopes."""
-    # Only this function needs pyarrow.
+    """Add columns of half-widths to the table in a file; return the half-widths of the extremes of envelopes."""
+    # pyarrow is imported only here.
     from signorini.formats.parquet import widen
 
     wanted, picked, first = _wanted(combined), dict[tuple[str, int], float](), 0
@@ -290,7 +294,7 @@ def _widen(
 
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:
-    """Row numbers of envelope extremes, by column; for each bearing also the rows in which another bearing governs."""
+    """Row numbers of envelope extremes, by column; reactions of bearings have the rows of all governing extremes."""
     layout, result = combined.layout, dict[str, set[int]]()
     for envelope in (combined.envelope, *combined.groups.values()):
         of = envelope.values

@@ -156,7 +156,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
         raise InputError("both steps and at are given; give one of them.", place="at")
     if isinstance(at, str) or not isinstance(at, Iterable):
         raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
-    # t = 0 is always solved.
+    # t = 0 is always solved, so it is not listed.
     result = sorted({_factor(t, "at") for t in at if t != 0})
     if not 1 <= len(result) <= _MOST_STEPS:
         raise InputError(f"found {len(result)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
@@ -164,7 +164,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
 
 
 def _factor(value: object, place: str) -> float:
-    """Validate a t: finite and greater than 0."""
+    """Return a t as a number; raise `InputError` unless it is finite and greater than 0."""
     t = arguments.number(value, place)
     if not 0 < t < np.inf:
         raise InputError(f"found {t:g}; it must be a finite number greater than 0.", place=place)

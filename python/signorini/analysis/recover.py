@@ -1,4 +1,4 @@
-"""Compute a certified result from given reactions."""
+"""Compute a certified result from reactions that the caller gives."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 _S = TypeVar("_S", Bools, Pieces)
 _T = TypeVar("_T")
 _ACCURATE = 1e-6
-"""Largest error of given reactions, relative to the largest reaction or load. It allows for the error of an iterative
-solver."""
+"""Largest error of given reactions that is accepted, relative to the largest reaction or load. An iterative solver has
+such errors."""
 _NONE = (1e-13, TOLERANCE)
-"""Reactions that count as zero, relative to the largest reaction or load. The first allows for rounding; the second,
-tried if the first fails, is the tolerance of the certificate.
+"""Largest reactions that count as zero, relative to the largest reaction or load. The first value allows for rounding.
+The second, the certificate's tolerance, is tried if no answer with the first is certified.
 """
 _NOT = "These reactions are not the answer: "
 _OWN = "own load"
-"""Name of a load given as an array."""
+"""Name of a load that the caller gives as an array."""
 
 
 @checked
@@ -109,7 +109,7 @@ def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, C
 
 
 def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
-    """Subtract the nodal forces (3n,) of the caller's rows from a load."""
+    """Subtract from a load the nodal forces (3n,) that the caller's rows exert."""
     nodal = load.nodal - pushed
     return replace(load, nodal=nodal, weighing=nodal if load.all_weighs else load.weighing - pushed)
 
@@ -166,7 +166,10 @@ def _row(problem: ContactProblem | RowProblem, row: int) -> str:
 def _require_same(
     problem: ContactProblem | RowProblem, given: Floats, result: Floats, unit: Floats, size: float
 ) -> None:
-    """Refuse given reactions that differ from those computed on their contact state, both divided by ``unit``."""
+    """Refuse given reactions that differ from the computed ones by more than `_ACCURATE` × ``size``.
+
+    The reactions computed on the same contact state are ``result``. Both are divided by ``unit`` before the comparison.
+    """
     missed = np.nan_to_num(np.abs(given - result)) / unit
     if missed.max(initial=0.0) > _ACCURATE * size:
         at = int(np.argmax(missed))
@@ -179,7 +182,7 @@ def _require_same(
 def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> Result:
     matrix, s = problem.dual(load.nodal)
     count = len(problem.problem.gaps)
-    # The caller's rows have arbitrary units. So reactions are compared after multiplication with √diag(P).
+    # The caller's rows have arbitrary units. Therefore reactions are multiplied by √diag(P) before they are compared.
     unit = 1.0 / np.sqrt(np.diag(matrix))
     size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(s * unit).max(initial=0.0)))
 
@@ -196,7 +199,7 @@ def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> R
 
 
 def _require_open(problem: RowProblem, result: Result, own: Floats) -> None:
-    """Refuse displacements that violate a row of the caller, or with which a pushing row has a gap."""
+    """Refuse displacements that violate a row of the caller, or that leave a gap at a row with a reaction."""
     count, values = len(problem.problem.gaps), problem.problem.discretisation
     slopes = values.held.from_global(result.rotation)
     moved = np.column_stack([result.deflection, slopes]).ravel()

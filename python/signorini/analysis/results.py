@@ -19,14 +19,19 @@ from signorini.contact.problem import ContactProblem, unfactored
 from signorini.discretise import discretise
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.errors import InputError
-from signorini.model import Combination, Output
+from signorini.model import Combination, Model, Output
 from signorini.results.envelope import Envelope, States
 from signorini.results.frames import dataframe, dataset
 from signorini.results.result import Result
 from signorini.results.rows import Column
 
 _KEPT = 12
-"""Largest number of results computed on access that are cached; each has every field at every node."""
+"""Largest number of results computed on access that are kept in memory; each has all fields at all nodes."""
+
+
+def alone(model: Model, combination: Combination) -> Model:
+    """Variant of a model with one combination, which has all results."""
+    return model.varied(combination=(combination,), output=Output(combinations="each"))
 
 
 @checked
@@ -38,15 +43,16 @@ class Results(States[str], Mapping[str, Result]):
     ----------
     problem : ContactProblem
     full : mapping of Result
-        Results computed so far: all combinations or, if these are rows of a table, those named in
+        Results computed by the solve: of all combinations or, if these are rows of a table, of the combinations in
         ``output.fields``.
     seconds : mapping of float
+        Duration of each step of the solve in seconds, by name: "mesh", "assemble", "factor" and so on; "total".
     refinement : tuple of Refined
-        Meshes of the refinement to ``mesh.accuracy``, the present one last; empty without it.
+        Meshes of the refinement to ``mesh.accuracy``, the mesh of these results last; empty without ``mesh.accuracy``.
     estimates : mapping of Estimate
-        With ``mesh.accuracy``, half-widths of the results in ``full``; else none.
+        Half-widths of the results in ``full``, if the input has ``mesh.accuracy``; otherwise empty.
     accuracy_warning : str
-        Why ``mesh.accuracy`` is not reached, and the elements and memory that it needs; empty if it is reached.
+        Why ``mesh.accuracy`` is not reached, and the elements and memory that would be needed; empty if it is reached.
 
     Examples
     --------
@@ -89,7 +95,7 @@ class Results(States[str], Mapping[str, Result]):
         return self.full[name] if name in self.full else self._others[name]
 
     def __repr__(self) -> str:
-        """Name the first combinations, without solving any."""
+        """List the names of the first combinations, without solving any combination."""
         return f"Results({short(self._numbers)})"
 
     @cached_property
@@ -118,7 +124,7 @@ class Results(States[str], Mapping[str, Result]):
         return iter(self._numbers)
 
     def __len__(self) -> int:
-        """Count the combinations."""
+        """Number of combinations of the model."""
         return len(self.model.effective_combinations)
 
     def key(self, row: int) -> str:
@@ -127,7 +133,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def combined(self) -> Combined:
-        """Results of all combinations together: rows, envelopes, counts."""
+        """Results of all combinations together: rows of the table, envelopes, numbers of combinations."""
         return self._combined if self._combined is not None else self._combine(None)
 
     @property
@@ -142,12 +148,15 @@ class Results(States[str], Mapping[str, Result]):
 
     @property
     def governing(self) -> tuple[str, ...]:
-        """Names of combinations with an extreme of a field, reaction or section, group by group if there are groups."""
+        """Names of combinations with an extreme of a field, reaction or section force, by group if there are groups."""
         return tuple(map(self.key, self.combined.governing))
 
     @cached_property
     def table(self) -> Mapping[str, Column]:
-        """Columns of the table by name, with one row per combination; many combinations are solved again for it."""
+        """Columns of the table by name, with one row per combination.
+
+        If the table is too large to be stored, all combinations are solved again for it.
+        """
         return rows_of(self.combined, self._combine)
 
     def _combine(self, sink: Sink | None) -> Combined:
@@ -158,10 +167,10 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
-        """Nearest limit of equilibrium by combination: a load case, and the factor on its load that reaches the limit.
+        """Nearest limit of equilibrium by combination: a load case, and the multiple of the case's factor.
 
-        None if no case has a limit (`signorini.equilibrium.imbalance.nearest_limit`). For rows of a table the limit is
-        computed on access.
+        The value is None if no load case alone reaches a limit, see `signorini.equilibrium.imbalance.nearest_limit`.
+        For rows of a table it is computed on access.
         """
         result, freedom = self.discretisation, self.problem.freedom
         limits = OnDemand(self._numbers, lambda name: nearest_limit(result, freedom, self._combination(name)))
@@ -198,7 +207,7 @@ class Results(States[str], Mapping[str, Result]):
     def to_xarray(self) -> Any:
         """Return fields and reactions of all results in ``full`` as an `xarray.Dataset`; xarray must be installed.
 
-        Fields have dimensions combination and node, reactions combination and support.
+        Fields have the dimensions combination and node, reactions have combination and support.
         """
         return dataset(self.full)
 
@@ -209,7 +218,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @classmethod
     def alone(cls, result: Result) -> Self:
-        """Make `Results` of one result alone; its model is discretised again on the same mesh.
+        """Make `Results` that contain one result only; the model is discretised again on the same mesh.
 
         Raises
         ------
@@ -219,11 +228,10 @@ class Results(States[str], Mapping[str, Result]):
         if any(one.between for one in result.model.support) and not result.plates:
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")
         own = result.combination or Combination(name=result.name, factors={})
-        output = Output(combinations="each")
-        model = result.model.original.varied(combination=(own,), output=output)
+        model = alone(result.model.original, own)
         discretisation = discretise(model, None if result.plates else result.mesh)
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 
     def _repr_html_(self) -> str:
-        """Show the results in ``full`` in a notebook."""
+        """Show tables of the supports of the results in ``full`` in a notebook."""
         return "".join(result._repr_html_() for result in self.full.values())

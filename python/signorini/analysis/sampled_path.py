@@ -19,13 +19,13 @@ from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 
 _LOADED = 1e-9
-"""Smallest t, relative to the length of the path, at which events of supports are reported."""
+"""Smallest t at which events of supports are reported, relative to the length of the path."""
 _AT_ROOT = 1e-7
-"""Relative tolerance for a zero margin at an event, relative to the largest margin of the support's points."""
+"""Largest margin at an event that counts as zero, relative to the largest margin of the support's points."""
 
 
 class Hit(NamedTuple):
-    """An event or threshold that was found, and the state there."""
+    """An event or threshold that was found, and the state of the plate at its t."""
 
     watch: Watch
     state: State
@@ -34,7 +34,7 @@ class Hit(NamedTuple):
 
 @dataclass(eq=False)
 class SampledPath:
-    """Solves samples of a path, and stores the stops to be shown."""
+    """Solves samples of a path, and stores the stops that the path will have."""
 
     sampler: Sampler
     stops: dict[float, PathStop] = field(default_factory=dict)
@@ -45,11 +45,11 @@ class SampledPath:
 
     @property
     def last(self) -> State:
-        """The state of the last sample."""
+        """State of the plate at the last sample."""
         return self._last[-1]
 
     def begin(self) -> None:
-        """Solve at t = 0."""
+        """Solve at t = 0 and store this stop."""
         self._keep(state := self.sampler.state(0.0))
         self._last = [state]
         for number, threshold in enumerate(self.sampler.asked):
@@ -57,10 +57,10 @@ class SampledPath:
                 self.reached[number] = 0.0
 
     def go_on(self, t: float, span: float, shown: bool) -> None:
-        """Solve at t, and find the events since the last sample.
+        """Solve at t, and find the events since the last sample; ``shown``: the sample becomes a stop.
 
-        Without load, points in contact have no force, so it is undefined which of them open. Hence events are sought
-        from the first loaded sample on.
+        Without load, points in contact have no force, so that it is undefined which of them are open. Therefore the
+        search for events begins at the first loaded sample.
         """
         before, sampler = self.last, self.sampler
         after = sampler.state(t, before)
@@ -97,7 +97,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # Use the part in contact after the event: rounding at the stop itself may count points wrongly.
+            # At the event itself rounding may open or close points, so the stop gets the part after the event.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
@@ -143,7 +143,7 @@ def sampled_path(
     try:
         length, ends = _end(sampler, until if isinstance(samples, int) else until or max(samples), whole.last)
         limited = ends == "no_equilibrium"
-        # At the limit of equilibrium the plate can move on every contact state, so the last sample is just before it.
+        # At the limit of equilibrium the plate can move in every contact state: the last sample is before the limit.
         end = length * (1 - AT_LIMIT) if limited else length
         at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
         shown = {*(t for t in at if t < end), end}
@@ -159,7 +159,7 @@ def sampled_path(
 
 
 def _end(sampler: Sampler, until: float | None, begin: State) -> tuple[float, Ending]:
-    """The end of the path and its reason: requested, the limit load, or a t without further named events."""
+    """End of the path and the reason: ``until``, the limit of equilibrium, or a t after the last named event."""
     limit = sampler.path.end
     if until is not None and until < limit:
         return until, "until"

@@ -1,4 +1,4 @@
-"""Certified states along a load path, roots of functions of these states, and the last named event."""
+"""Certified states along a load path, roots of their margins, and the t of the last named event."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ from signorini.results.path_stop import PathStop, Switched, path_stops
 from signorini.results.support_points import Scales
 
 _NAMED = 10_000
-"""Largest number of combinations that are searched for a similar name for an error message."""
+"""Largest number of combinations whose names are compared with an unknown name for an error message."""
 
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """The load start + t·add on one mesh."""
+    """The load start + t·add of a path on one mesh, and the t at which equilibrium ends."""
 
     names: tuple[str | None, str]
     loads: tuple[CaseLoad, CaseLoad]
-    """Load at t = 0 and load that grows."""
+    """Load at t = 0, and load added per unit of t."""
     limits: tuple[float, float]
-    """Largest t with equilibrium: for reactions anywhere on the supports' outlines, and for reactions at the points of
-    the mesh."""
+    """Largest t with equilibrium: if reactions act anywhere within the supports' outlines, and if they act at the
+    points of the mesh."""
 
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
-        """Find the loads, and refuse a start without equilibrium."""
+        """Find the two loads of a path; refuse a path whose load at t = 0 has no equilibrium."""
         discretisation = problem.discretisation
         loads = load_named(discretisation, start, "start"), load_named(discretisation, add, "add")
         message = explain(discretisation, imbalance(discretisation, problem.freedom, loads[0].weighing))
@@ -70,7 +70,7 @@ class PathLoads:
 
     @property
     def end(self) -> float:
-        """The smaller of the two ``limits``."""
+        """Largest t with equilibrium on this mesh: the smaller of the two ``limits``."""
         return float(np.fmin(*self.limits))
 
     def at(self, t: float) -> CaseLoad:
@@ -95,7 +95,7 @@ def load_named(discretisation: Discretisation, name: str | None, argument: str) 
 
 @dataclass(eq=False)
 class State:
-    """Certified answer at t, its stop of the path, and margins of the supports."""
+    """Certified answer at t, the answer's stop of the path, and the margins of the supports."""
 
     t: float
     answer: Answer
@@ -104,20 +104,20 @@ class State:
     margins: list[Floats]
     """Margins of each support, in the order of the model's supports."""
     own: bool
-    """Whether the method of the problem found the answer, so that the method can start from it."""
+    """Whether the method of the problem found the answer. If so, the method can start from this answer."""
 
 
 class Watch(NamedTuple):
-    """A function of the state whose sign changes at an event: a margin of a support, or of a threshold."""
+    """Function of t whose sign changes at an event: margin of a support or, if ``support`` is None, of a threshold."""
 
     support: int | None
     number: int
-    """Number of the margin or of the threshold."""
+    """Number of the margin or of the threshold, from 0."""
 
 
 @dataclass(eq=False)
 class Sampler:
-    """Solves a problem at values of t, each time starting from a known state nearby."""
+    """Solves a problem at values of t; each solution starts from a known state at a nearby t."""
 
     problem: ContactProblem
     path: PathLoads
@@ -125,15 +125,15 @@ class Sampler:
     watcher: Watcher
     scales: Scales | None = None
     above: tuple[bool, ...] = ()
-    """Whether the quantity of each threshold starts above its value."""
+    """For each threshold: whether the quantity is above the threshold's value at the first state."""
     watched: tuple[bool, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Find the supports that can open or yield."""
+        """Find the supports that can open or yield; only these have margins that change."""
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     def state(self, t: float, near: State | None = None) -> State:
-        """Solve at t; ``near`` is a state to start from, or None."""
+        """Return the state at t; the solution starts from the state ``near``, unless it is None."""
         result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 
@@ -147,7 +147,7 @@ class Sampler:
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
-            # A start without load has no scales; they are taken from the first loaded state.
+            # Without load there are no reference forces; ``scales`` are taken from the first loaded state.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         if not self.above:
@@ -160,21 +160,21 @@ class Sampler:
         return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
-        """Value of the function of a watch at a state."""
+        """Value, at a state, of the function that a watch names."""
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]
         return threshold.margin(state.stop.number(threshold.quantity), self.above[watch.number])
 
     def exact(self, watch: Watch) -> bool:
-        """Whether the function is linear in t between the events of contact points."""
+        """Whether the function of a watch is linear in t between the events of contact points."""
         if watch.support is None:
             return self.asked[watch.number].linear
         support = self.problem.discretisation.model.support[watch.support]
         return support.area is None or watch.number not in range(1, len(LEVELS) - 1)
 
     def changed(self, before: State, after: State) -> list[Watch]:
-        """Watches whose functions have different signs at the two states."""
+        """List those watches whose functions have different signs at two states."""
         result = [
             Watch(index, int(number))
             for index, (one, other) in enumerate(zip(before.margins, after.margins, strict=True))
@@ -188,18 +188,18 @@ class Sampler:
 
 
 LINEAR, SMOOTH = 1e-9, 1e-6
-"""Tolerance of the t of an event, relative to the length of the path: for functions that are linear in t between
+"""Tolerances of the t of an event, relative to the length of the path: for functions that are linear in t between
 events, and for contact areas and pressures."""
 _MOST_STEPS = 100
-"""Largest number of solves for one event; bisection alone takes 30."""
+"""Largest number of solutions to find one event; bisection alone takes 30."""
 
 
 def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span: float) -> State:
-    """State at the first sign change of a function after t = ``begin``, within the tolerance.
+    """State at the first sign change of a watch's function after t = ``begin``, within the tolerance.
 
-    ``known`` are states in rising t that bracket the sign change; solved states are added. Secants are used, through
-    two states on one side, where they are exact while the contact state is constant. If they converge slowly, the
-    bracket is halved.
+    ``known`` are states in rising t that bracket the sign change; solved states are added to this list. A secant goes
+    through two states on one side of the root; it is exact while the contact state is constant. If the secants converge
+    slowly, the bracket is halved.
     """
     signs = [sampler.value(state, watch) >= 0 for state in known]
     row = next(row for row, state in enumerate(known) if state.t >= begin and signs[row] != signs[row + 1])
@@ -214,7 +214,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
         for end, value, other in ((low, at_low, below), (high, at_high, above)):
             if other is None or other.t == end.t:
                 continue
-            # The slope can differ on both sides of a root: the function is a force on one side, a gap on the other.
+            # Slopes on both sides of a root may differ: the function is a force on one side, a gap on the other.
             slope = min(abs(at_high - at_low) / width, abs(value - sampler.value(other, watch)) / abs(end.t - other.t))
             if abs(value) <= slope * tolerance:
                 return end
@@ -235,7 +235,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
 
 
 def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, State, State | None]) -> float:
-    """Zero of a line through two states, within the bracket; states with one contact state are preferred."""
+    """Zero of a line through two states, within the bracket; two states with the same contact state are preferred."""
     below, low, high, above = states
     guesses = []
     for one, other in ((low, high), (below, low), (high, above)):
@@ -253,15 +253,15 @@ def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, St
 
 
 _NOTHING = 1e-9
-"""Relative zero tolerance for reactions and travels, and for their changes."""
+"""Zero tolerance for reactions and travels and for their changes, relative to the largest value."""
 
 
 def last_change(sampler: Sampler, begin: State) -> float:
     """Return a power of 2 shortly after the t of the last named event.
 
-    The answer is linear in t while contact points keep their pieces. Two states on the same pieces give the range of t
-    of these pieces. The search goes from one range to the next until the last one, and backward if the first state is
-    already after the last event.
+    The answer is linear in t while contact points keep their pieces of the laws. From two states on the same pieces
+    follows the range of t of these pieces. The search goes from one range to the next until the last range. If the
+    first state is already after the last event, the search goes backward.
     """
     states, end = [begin], 0.5
     while end < math.inf:
@@ -272,7 +272,7 @@ def last_change(sampler: Sampler, begin: State) -> float:
     if not changes or changes[-1] > 1 or len(states) == 2:
         return states[changes[-1] if changes else 1].t
     first, above = states[1:3]
-    # Search backward until the pieces are unchanged down to t = 0, or an event lies between.
+    # Search backward until the pieces are the same down to t = 0, or an event lies between.
     while (line := kept(sampler, first, above)) is None or line[0] > 0:
         before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
         if sampler.changed(before, first):
@@ -282,7 +282,7 @@ def last_change(sampler: Sampler, begin: State) -> float:
 
 
 def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | None:
-    """Return the range of t in which contact points keep the pieces of two states; None if their pieces differ."""
+    """Return the range of t in which contact points keep the pieces of two states; None if the pieces differ."""
     result, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
     contacts, add = result.contacts, sampler.path.loads[1]
     moved, change = (second.hi - first.hi) + (second.lo - first.lo), second.reaction - first.reaction
@@ -299,7 +299,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
-    # At a limit that pushes, the gap opens in the opposite direction.
+    # At a limit where the support pushes, the point's gap opens in the opposite direction.
     beyond = np.where(first.reaction > 0.0, -opening, opening)
     ends = pressed & presses_otherwise
     for counts, value, rate in (
@@ -316,7 +316,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
 def _nothing(
     discretisation: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats
 ) -> tuple[float, float]:
-    """Return the force and the deflection that count as zero under a load."""
+    """Return the largest force and the largest deflection that count as zero under a load."""
     force = max(
         float(np.abs(reaction).max(initial=0.0)), float(by_force(load.nodal[None], discretisation.mesh.size)[0])
     )

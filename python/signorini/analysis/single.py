@@ -40,7 +40,7 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
-    """Result of one combination, and the seconds that its contact problem took."""
+    """Result of one combination, and the duration of its contact problem in seconds."""
     discretisation = problem.discretisation
     load = discretisation.load(combination)
 
@@ -57,7 +57,7 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     tried = answered(problem, load, steps_of(combination.name, watcher))
     spent = time.perf_counter() - begun
     if tried.contradiction:
-        # Some reactions balance the load, so the gaps contradict each other (docs/theory.md, section 5).
+        # Reactions exist that balance the load, so the gaps contradict each other (docs/theory.md, section 5).
         return unsolved_result(discretisation, combination, CONTRADICTION), spent
     if tried.certificate is None:
         raise NotCertifiedError(
@@ -71,9 +71,9 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
 
 _MOST = 64
 _MOST_NUMBERS = 4_000_000
-"""Largest number of combinations in one batch, and of numbers stored for them."""
+"""Largest number of combinations in one batch, and largest number of values stored for them."""
 _FEWEST = 8
-"""Smallest number of combinations in one batch; it shares each pass through the factor."""
+"""Smallest number of combinations in one batch. All combinations of a batch share each pass through the factor."""
 
 
 def solve_several(
@@ -82,11 +82,11 @@ def solve_several(
     single: Callable[[Combination], Result],
     begin: Callable[[str], None],
 ) -> Iterator[Result]:
-    """Yield the results of combinations in their order, with a problem of the active set.
+    """Yield the results of combinations in their order; the problem's method is the active set.
 
     Each result is certified and independent of the other combinations. Uncertified combinations, and those with
     doubtful equilibrium, are passed to ``single``. ``begin`` is called with the name of the first combination of each
-    batch, before and after its steps; an exception in it ends the run.
+    batch, before and after each step; an exception in it ends the run.
     """
     discretisation = problem.discretisation
     rays = allowed_motions(problem.freedom.on_mesh)
@@ -109,7 +109,7 @@ def _solve(
     discretisation = problem.discretisation
 
     def surely_balanced(load: CaseLoad) -> bool:
-        """Whether the load does no work on any motion that the supports allow, so that reactions balance it."""
+        """Whether the load does no work in any motion that the supports allow; then reactions balance the load."""
         if rays is None:
             return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
@@ -139,7 +139,7 @@ def _solve(
 
 
 def mean_load(discretisation: Discretisation) -> Floats:
-    """Mean nodal load (3n,) of all combinations; it does not depend on their order."""
+    """Mean nodal load (3n,) of all combinations; it is independent of the order of the combinations."""
     combinations = discretisation.model.effective_combinations
     factors: dict[str, list[float]] = {}
     for combination in combinations:
@@ -150,7 +150,7 @@ def mean_load(discretisation: Discretisation) -> Floats:
 
 
 _REASONS = 5
-"""Largest number of combinations without equilibrium that a message names if no combination has one."""
+"""If no combination has an equilibrium, the largest number of combinations that the message lists."""
 
 
 def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = None) -> Combined:
@@ -178,7 +178,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
     """Solve every combination as a row of a table, and write the rows to the file ``table`` unless it is None."""
     if table is None:
         return _any_solved(solve_rows(problem, watcher))
-    # Only this function needs pyarrow.
+    # pyarrow is imported only here.
     from signorini.formats.parquet import writing
 
     try:
@@ -191,7 +191,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
 
 
 def _any_solved(combined: Combined) -> Combined:
-    """Return the combinations; raise an error if none of them has an equilibrium."""
+    """Return ``combined``; raise `NoEquilibriumError` if no combination has an equilibrium."""
     if not combined.solved:
         reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
         raise NoEquilibriumError(
@@ -201,7 +201,7 @@ def _any_solved(combined: Combined) -> Combined:
 
 
 def rows_of(combined: Combined, again: Callable[[Sink], object]) -> Mapping[str, Column]:
-    """Return the columns of all rows; if they were too large to be stored, ``again`` solves them again."""
+    """Return the columns of all rows; if they were not stored, ``again`` is called to solve the rows again."""
     if combined.rows is not None:
         return combined.rows
     blocks = list[list[tuple[str, Column]]]()

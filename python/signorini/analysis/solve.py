@@ -96,7 +96,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
-    """Report progress on a finer mesh, with the accuracy of the previous mesh."""
+    """Report progress on a finer mesh, with the accuracy reached on the mesh before."""
     return watcher(replace(now, reached=before))
 
 
@@ -126,13 +126,13 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
     seconds |= {"recover": recover, "total": time.perf_counter() - begun}
-    # Without a table the results are complete. The factor is dropped, since callers may keep many results.
+    # Without a table the results are complete; the factor is dropped to save memory.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
-    """Yield the combinations for which every field is computed."""
+    """Yield the combinations of which every field is computed at once."""
     asked, combinations = model.output.fields, model.effective_combinations
     if combined is None or asked == "all":
         yield from combinations

@@ -1,8 +1,8 @@
 """Bolts that are preloaded before other loads act: each preload becomes a settlement of the bolt.
 
 Bolts are tightened in stages, each with a group of bolts. In its stage a group exerts its preload forces on the plate.
-Bolts tightened earlier follow their force–travel graphs; later bolts have no force. After the stage the graphs of the
-group are moved, so that each bolt has its preload at its present travel. Other modules see only moved graphs.
+Bolts tightened earlier follow their laws; later bolts have no force. After the stage the laws of the group are shifted
+in travel, so that each bolt has its preload at its present travel. Other modules see only the shifted laws.
 """
 
 from __future__ import annotations
@@ -74,7 +74,10 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
 
 
 def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher: Watcher) -> ContactProblem:
-    """Tighten the bolts, with preloads multiplied by factors of cases; equal factors on one mesh are computed once."""
+    """Tighten the bolts, with preloads multiplied by factors of load cases.
+
+    For the same factors on the same mesh, the result is computed once.
+    """
     wanted = problem.discretisation.model.round_factors(factors)
     if wanted == problem.discretisation.tightening:
         return problem
@@ -91,13 +94,13 @@ def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher:
 
 @kept
 def _done(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisation]:
-    """Cache of discretisations with tightened bolts, by the factors of the preloads."""
+    """Cache of discretisations with tightened bolts; the keys are the factors of the preloads."""
     return {}
 
 
 @kept
 def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> str:
-    """Message if no reactions balance the forces of a stage; empty if equilibrium exists."""
+    """Message if no reactions balance the preload forces of some stage; empty if reactions exist in all stages."""
     for stage in _stages(discretisation, tightening):
         result, load = stage.posed(discretisation, discretisation.contacts.distance)
         try:
@@ -111,14 +114,17 @@ def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> s
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """Bolts tightened together; ``force`` (m,): their reactions; ``there`` (m,): other supports and earlier bolts."""
+    """Bolts tightened together: ``force`` (m,) are the forces that they exert, 0 at other points.
+
+    ``there`` (m,) marks other supports and the bolts tightened earlier.
+    """
 
     names: tuple[str, ...]
     force: Floats
     there: Bools
 
     def posed(self, base: Discretisation, distance: Floats) -> tuple[Discretisation, CaseLoad]:
-        """Discretisation without these and later bolts, with gaps ``distance`` (m,), and the preloads as a load."""
+        """Discretisation without these and later bolts, with gaps ``distance`` (m,), and preload forces as a load."""
         there = np.flatnonzero(self.there)
         contacts = replace(base.contacts, distance=distance).pick(there)
         repeated = replace(base.repeated, follows=base.repeated.follows[:, there])
@@ -127,17 +133,17 @@ class _Stage:
         return replace(base, contacts=contacts, repeated=repeated), replace(nothing, nodal=nodal, weighing=nodal)
 
     def said(self, message: str) -> str:
-        """Put the stage in front of a message."""
+        """Return a message that begins with the text of this stage."""
         return f"While {self.what}: {message}"
 
     @property
     def what(self) -> str:
-        """Name of the stage in messages."""
+        """Text for the stage in messages: "tightening" and the names of the supports or bolts."""
         return f"tightening {' and '.join(self.names)}"
 
 
 def _stages(base: Discretisation, tightening: tuple[float, ...]) -> list[_Stage]:
-    """Return the stages in order: preloads of supports by their order, then the groups of each tightening table."""
+    """Return the stages in order: preloads of supports in their order, then the groups of each table `tightening`."""
     contacts, model, count = base.contacts, base.model, len(base.contacts)
     force = defaultdict[tuple[int, int], Floats](lambda: np.zeros(count))
     names = defaultdict[tuple[int, int], list[str]](list)
@@ -177,7 +183,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
             raise NotCertifiedError(refusal(stage.what, result, load, tried.answer, tried.certificate))
         if any(later.there.tobytes() == present for later in stages[number:]):
             factored[present] = problem
-        # After the last stage, bolts without a preload get a graph that starts at the present travel.
+        # After the last stage, bolts without a preload get a law that starts at their present travel.
         now = np.flatnonzero(~stage.there if number == len(stages) else stage.force)
         points, force = contacts.pick(now), stage.force[now]
         preload[stage.there], preload[now] = tried.answer.reaction, force
@@ -196,7 +202,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
 
 
 def _first_travel(points: ContactPoints, force: Floats) -> Floats:
-    """Travel (k,) of least magnitude at which points have the force (k,)."""
+    """Travel (k,) of least magnitude at which each point's law has the given force (k,)."""
     result = np.zeros(len(points))
     for law, at in points.by_law:
         low, high = law.travels(force[at] / points.scale[at])

@@ -1,4 +1,4 @@
-"""Check arguments of Python functions with messages like those for an input file."""
+"""Check arguments of Python functions; the messages are like those for an input file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _C = TypeVar("_C", bound=Callable[..., Any])
 
 
 def checked(function: _C) -> _C:
-    """Decorate a function or class: missing and unknown arguments raise an InputError with the signature.
+    """Decorate a function or class: if arguments are missing or unknown, an InputError shows the signature.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def checked(function: _C) -> _C:
 
 
 def _require_signature(function: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
-    """Raise an InputError with the signature if the arguments do not match it."""
+    """Raise an InputError with the signature of ``function`` if the arguments do not match it."""
     signature = inspect.signature(function)
     try:
         signature.bind(*args, **kwargs)
@@ -76,7 +76,7 @@ def number(value: object, place: str) -> float:
 
 
 def interval(value: object, place: str) -> tuple[float, float]:
-    """Validate a lower and an upper limit."""
+    """Validate two finite limits (lower, upper), lower < upper."""
     limits = _array(value)
     if limits is None or limits.shape != (2,) or not np.isfinite(limits).all() or limits[0] >= limits[1]:
         raise InputError(
@@ -86,7 +86,7 @@ def interval(value: object, place: str) -> tuple[float, float]:
 
 
 def path(value: object, what: str, place: str) -> str:
-    """Validate a path; ``what`` describes the file."""
+    """Validate the path of a file; the message describes the file by ``what``, such as "a file"."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
     return os.fspath(value)
@@ -127,14 +127,14 @@ def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
 
 
 def name(value: object, kind: str, place: str) -> str:
-    """Validate a name."""
+    """Validate that a name is text; the message names the ``kind`` of the named object."""
     if not isinstance(value, str):
         raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
     return value
 
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
-    """Validate a name among the allowed ones."""
+    """Validate that a name is in ``allowed``; the message names its ``kind`` and its ``owner``."""
     text = name(value, kind, place)
     if text not in allowed:
         raise InputError(unknown(kind, text, allowed, owner), place=place)
@@ -142,7 +142,7 @@ def known(value: object, allowed: Collection[str], kind: str, place: str, owner:
 
 
 def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
-    """Validate a name of a mapping; an unknown name raises an error that is also a KeyError."""
+    """Validate a key of a mapping with the keys ``allowed``; an unknown key raises an error that is also a KeyError."""
     try:
         return known(value, allowed, kind, kind, owner)
     except InputError as error:
@@ -158,7 +158,7 @@ def index(value: object, count: int, kind: str, place: str) -> int:
 
 
 def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T], object]:
-    """Validate a callback; None becomes a callback without effect."""
+    """Validate a progress callback; None becomes a callback without effect."""
     if value is None:
         return lambda now: None
     if not callable(value):
@@ -167,13 +167,13 @@ def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T],
 
 
 def made_by(value: object, kind: type, advice: str, place: str) -> None:
-    """Require an instance of a class; ``advice`` describes how to make an instance."""
+    """Require that ``value`` is an instance of the class ``kind``; ``advice`` says how to make an instance."""
     if not isinstance(value, kind):
         raise InputError(f"found {reprlib.repr(value)}; it must be a {kind.__name__}. {advice}", place=place)
 
 
 def _array(value: object) -> NDArray[np.float64] | None:
-    """Convert to an array of real numbers; None if that is impossible."""
+    """Convert a value to an array of real numbers; None if this is impossible."""
     try:
         entries = np.asarray(value)
         return None if entries.dtype.kind == "c" else np.asarray(entries, dtype=np.float64)

@@ -12,8 +12,8 @@ def components(count: int, start: Ints, end: Ints) -> Ints:
     """Component number (count,) of each node of a graph with edges ``start``–``end`` (k,).
 
     Components are numbered in the order of their first nodes. Every node takes the lowest number of its neighbours, and
-    then the number of that node, until no number changes. `scipy.sparse.csgraph` gives the same, but its import takes
-    longer.
+    then the number of the node with that number, until no number changes. `scipy.sparse.csgraph` gives the same
+    numbers, but its import takes longer.
 
     Examples
     --------

@@ -13,22 +13,22 @@ from tempfile import TemporaryDirectory
 from signorini.base import arguments
 
 _LONGEST_NAME = 50
-"""Characters of a file's name in the name of a temporary directory; file systems allow 255 bytes."""
+"""Largest number of characters of a file's name that are copied into the name of its temporary directory."""
 
 
 @contextmanager
 def temporary_directory(beside: Path, name: str) -> Iterator[Path]:
-    """Context with a hidden directory in the directory ``beside``, removed at the end."""
+    """Context with a new hidden directory inside the directory ``beside``; the new directory is removed at the end."""
     with TemporaryDirectory(prefix=f".{name[:_LONGEST_NAME]}-", dir=beside, ignore_cleanup_errors=True) as hidden:
         yield Path(hidden)
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context with a temporary path to write to, which is moved to ``path`` at the end.
+    """Context with a temporary path to write to; the written file is moved to ``path`` at the end.
 
-    A reader sees the old file or the new one, both complete. If the body raises, ``path`` is unchanged and no temporary
-    file remains. A link is followed to its file. The directory must exist.
+    Other programs see the old file or the new file, both complete. If the body raises, ``path`` is unchanged and no
+    temporary file remains. If ``path`` is a link, the file to which it points is replaced. The directory must exist.
     """
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
@@ -45,10 +45,10 @@ def replacing_together(
 ) -> Iterator[Path]:
     """Context with an empty directory to write files to, all of which are moved into ``directory`` at the end.
 
-    The directory is made if necessary. The new files replace the former set, whose names ``former`` reads from the file
-    ``seal``. Other files stay; a new file with the name of another file is refused. After an error the directory is
-    unchanged. Several processes move their files one after another: the set of the last one remains, complete. The seal
-    is removed first and written last, so that a directory with a seal is complete.
+    The directory is made if necessary. The new files replace the files of the former run, whose names ``former`` reads
+    from the file ``seal``. Files of other programs stay; a new file with the name of such a file is refused. After an
+    error the directory is unchanged. Several processes move their files one after another, so that the complete set of
+    the last process remains. The seal is removed first and written last, so that a directory with a seal is complete.
     """
     target = Path(directory).absolute()
     made = [place for place in (target, *target.parents) if not place.exists()]
@@ -73,7 +73,10 @@ def replacing_together(
 
 
 def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
-    """Refuse names of files of other programs in a directory; return the names of the ``former`` files in it."""
+    """Refuse ``names`` that files of other programs have in the directory ``target``.
+
+    Return the names of files of an earlier run that exist there; ``former`` reads these names from the directory.
+    """
     ours = {name for name in former(target) if os.path.lexists(target / name)}
     for name in sorted({*names, *ours}):
         if (target / name).is_dir():
@@ -84,7 +87,7 @@ def require_free(target: Path, names: Iterable[str], former: Callable[[Path], It
 
 
 def _move(moves: list[tuple[Path, Path]]) -> None:
-    """Rename all files, or none."""
+    """Rename files from the first to the second path of each pair; after an error, undo all renames."""
     done: list[tuple[Path, Path]] = []
     try:
         for source, destination in moves:

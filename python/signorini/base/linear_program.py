@@ -14,7 +14,7 @@ _Floats = NDArray[np.float64]
 _PRIMAL = 4
 """Value of HiGHS's option ``simplex_strategy`` for the primal simplex method."""
 _FEASIBLE = 1e-7
-"""Absolute feasibility tolerance; the default of HiGHS."""
+"""Default feasibility tolerance, absolute, for rows and bounds; also the default of HiGHS."""
 
 
 def minimise(
@@ -24,10 +24,10 @@ def minimise(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> _Floats | None:
-    """Minimise c·x subject to l ≤ A x ≤ u and bounds on x; None if it is infeasible or unbounded.
+    """Minimise c·x subject to l ≤ A x ≤ u and bounds on x; None if the program is infeasible or unbounded.
 
-    Bounds are pairs of arrays, or of numbers for all entries; ±inf: no bound. Rows and bounds hold within the absolute
-    ``tolerance``. A failure of the solver raises a RuntimeError.
+    Bounds are pairs of arrays, or of numbers for all entries; ±inf means no bound. Rows and bounds are satisfied within
+    the absolute ``tolerance``. A failure of the solver raises a RuntimeError.
 
     Examples
     --------
@@ -48,11 +48,11 @@ def minimise_with_prices(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> tuple[_Floats, _Floats] | None:
-    """Return the x of `minimise`, and the dual values (m,) of the rows: derivatives of the cost by the row bounds."""
+    """Return the x of `minimise`, and the dual values (m,): derivatives of the minimal cost by the row bounds."""
     import highspy
 
     class Quiet(highspy.Highs):
-        """HiGHS 1.16 and later print a banner when the constructor calls this method; it sets the option before."""
+        """HiGHS without its banner: the constructor of HiGHS ≥ 1.16 calls this method, which switches output off."""
 
         def enableCallbacks(self) -> None:
             self.setOptionValue("output_flag", False)
@@ -66,23 +66,24 @@ def minimise_with_prices(
     start, index, value = _by_rows(rows)
     program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     program.a_matrix_.start_, program.a_matrix_.index_, program.a_matrix_.value_ = start, index, value
-    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # incomplete type stubs
+    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # The type stubs of highspy are incomplete.
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
     # Threads do not speed up programs of this size, and would exceed the requested number.
     solver.setOptionValue("threads", 1)
     if isinstance(rows, np.ndarray):
-        # A dense program has three rows or columns a plate. Its presolve takes five times as long as its solution.
+        # A dense program has three rows or columns for each plate. Presolving it takes five times as long as solving
+        # it.
         solver.setOptionValue("presolve", "off")
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
-        # The threads of HiGHS are global: another user in this process has started more.
+        # HiGHS has one thread pool per process; other code in this process may have started more threads.
         solver.setOptionValue("threads", 0)
         solver.run()
     ends = highspy.HighsModelStatus
     if solver.getModelStatus() not in _conclusive(ends):
-        # Restart with the primal simplex method, which terminates where the dual one cycles.
+        # Restart with the primal simplex method, which terminates where the dual simplex method cycles.
         solver.clearSolver()
         solver.setOptionValue("simplex_strategy", _PRIMAL)
         solver.run()
@@ -96,12 +97,12 @@ def minimise_with_prices(
 
 
 def _conclusive(ends: Any) -> tuple[object, ...]:
-    """Statuses that decide whether a solution exists."""
+    """HiGHS statuses after which it is known whether the program has a solution."""
     return ends.kOptimal, ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible
 
 
 def _by_rows(matrix: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], _Floats]:
-    """Row starts, columns and values of the nonzero entries."""
+    """Row starts, column indices and values of a matrix's nonzero entries, in compressed row storage."""
     if hasattr(matrix, "tocsr"):
         sparse = matrix.tocsr()
         return sparse.indptr.astype(np.int32), sparse.indices.astype(np.int32), sparse.data

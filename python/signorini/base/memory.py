@@ -1,4 +1,4 @@
-"""Memory: estimates for a mesh before it is made, and the free memory."""
+"""Memory: estimated bytes for solving a mesh before it is made, and free bytes."""
 
 from __future__ import annotations
 
@@ -11,27 +11,34 @@ from pathlib import Path
 from signorini.errors import InputError, Place
 
 _PER_DOF = 1800.0
-"""Bytes per dof of mesh, element matrices, fields and update matrices. Slabs on tensionless soil took 1500 beside L on
-230 thousand dofs and 1000 on 3.7 million with congruent elements; without congruent elements they take 300 more."""
+"""Bytes per dof of mesh, element matrices, fields and update matrices. Slabs on tensionless soil with congruent
+elements took, without the factor L of K, 1500 on 230 thousand dofs and 1000 on 3.7 million dofs. Without congruent
+elements, slabs take 300 more."""
 
 _PER_PAIR = 200.0
-"""Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
+"""Bytes of condensed matrices and of Lemke's tableau per pair of contact points.
+
+Measured on 1600 and 3025 points.
+"""
 
 _PER_FOOTPRINT = 300.0
-"""Bytes per footprint and root of the number of dofs: after forward substitution its row has a few times √dofs
-columns. 900 footprints on 232 thousand dofs took 270."""
+"""Bytes of the factor's rows per footprint and √dofs.
+
+After forward substitution the row of a footprint has a few times √dofs columns. 900 footprints on 232 thousand dofs
+took 270.
+"""
 
 _PER_THREAD = 1.0e9
-"""Bytes of address space that matrix products reserve per thread; they use little of it."""
+"""Bytes of address space that matrix products reserve per thread; only a small part of it is used."""
 
 _LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in_bytes")
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes for solving a plate of ``elements`` elements; up to a third too large.
+    """Estimate the bytes for solving a plate of ``elements`` elements; the estimate is up to a third too large.
 
-    The entries of the factor per dof grow with the logarithm of the number of dofs, as for nested dissection.
+    The number of factor entries per dof grows with the logarithm of the number of dofs, as for nested dissection.
 
     Examples
     --------
@@ -44,7 +51,7 @@ def needed(elements: int) -> float:
 
 
 def needed_by_points(points: int) -> float:
-    """Estimate the bytes of condensed contact points with their complementarity problem.
+    """Estimate the bytes for condensing ``points`` contact points and solving their complementarity problem.
 
     Examples
     --------
@@ -60,7 +67,7 @@ def fits(bytes_needed: float) -> bool:
 
 
 def available() -> float:
-    """Bytes that this process can still allocate; infinite if unknown."""
+    """Bytes that this process can still allocate; infinite if the system does not report them."""
     limits = [math.inf]
     for line in _lines("/proc/meminfo"):
         if line.startswith("MemAvailable:"):
@@ -74,7 +81,7 @@ def available() -> float:
 
 
 def _address_space() -> float:
-    """Bytes of address space left under ``ulimit -v``."""
+    """Bytes of address space that this process may still reserve under ``ulimit -v``."""
     if sys.platform != "linux":
         return math.inf
     import resource
@@ -88,12 +95,12 @@ def _address_space() -> float:
 
 
 def elements_that_fit(most: int) -> int:
-    """Estimate the largest number of elements, at most ``most``, that fits into memory, to two digits."""
+    """Estimate the largest number of elements, at most ``most``, that fits into memory; rounded to two digits."""
     return int(float(f"{_fitting(needed, most, available()):.2g}"))
 
 
 def require_memory(elements: int, place: Place) -> None:
-    """Refuse a mesh that does not fit into memory, before the system ends the process."""
+    """Refuse a mesh whose solution does not fit into memory, before the system kills the process."""
     _require(needed, elements, f"A mesh of {elements:,} elements", "Use larger elements.", place)
 
 
@@ -103,7 +110,7 @@ def require_memory_for_points(points: int, advice: str, place: Place) -> None:
 
 
 def needed_by_footprints(footprints: int, dofs: int) -> float:
-    """Estimate the bytes of the rows of footprints with a factor of ``dofs`` dofs.
+    """Estimate the bytes of the rows of ``footprints`` footprints in a factor of ``dofs`` dofs.
 
     Examples
     --------

@@ -9,23 +9,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 ROUNDING = 1e-10
-"""Relative tolerance for a displayed zero, relative to the largest number of its kind. Certificates tolerate a hundred
-times as much."""
+"""Numbers smaller than this, relative to the largest number of their kind, are displayed as zero.
+
+Certificates tolerate a hundred times as much.
+"""
 
 
 _LEAST = 4
-"""Smallest number of digits that are shown, whatever the half-width."""
+"""Smallest number of significant digits with which a number is shown beside its half-width."""
 _LONG = 9
-"""Smallest number of decimals of a half-width that is written with an exponent."""
+"""A half-width with at least this number of decimals is written with an exponent."""
 
 
 def size_of(values: ArrayLike) -> float:
-    """Largest magnitude of values, the reference for rounding; 0 without values."""
+    """Largest magnitude of values, relative to which rounding errors are displayed as 0; 0 without values."""
     return float(np.abs(np.asarray(values, dtype=np.float64)).max(initial=0.0))
 
 
 def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number with few digits; rounding errors, relative to the ``largest`` of its kind, are written as 0.
+    """Write a number with ``digits`` significant digits.
+
+    Numbers within rounding of zero, relative to the ``largest`` number of the same kind, are written as 0.
 
     Examples
     --------
@@ -41,7 +45,7 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
 def estimated(value: float, width: float | None, largest: float = 0.0, digits: int = 6) -> str:
     """Write a number with its half-width, which is rounded up to one or two digits; ``None`` is written as "± ?".
 
-    The number has the digits of the half-width, but at least four.
+    The number is rounded to the last digit of the half-width, but has at least four digits.
 
     Examples
     --------
@@ -76,12 +80,12 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
 
 
 def in_unit(unit: str) -> str:
-    """Unit in brackets, to append to a title; empty without a label."""
+    """Label of a unit in brackets, to append to a title; empty if the unit has no label."""
     return f" [{unit}]" if unit else ""
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """Name the meshes compared for ±, or the reason why there is no ±.
+    """Name the meshes that were compared for ± by their numbers of elements, or the reason why there is no ±.
 
     Examples
     --------
@@ -95,11 +99,14 @@ def compared(elements: Sequence[int], asked: bool) -> str:
 
 
 POWERS = -4, 5
-"""Powers of ten between which numbers are written without an exponent: five digits fit next to a colour bar."""
+"""Smallest and largest power of ten of numbers that are written without an exponent.
+
+Five digits fit next to a colour bar.
+"""
 
 
 def plain(value: float, digits: int) -> str:
-    """Write a number with ``digits`` digits, with an exponent outside `POWERS`.
+    """Write a number with ``digits`` significant digits; numbers outside `POWERS` have an exponent.
 
     Examples
     --------

@@ -70,7 +70,7 @@ class OnDemand(Mapping[str, _V]):
         return iter(self._names)
 
     def __repr__(self) -> str:
-        """Show the first names and the cached values."""
+        """Show the first names, and the values that are cached."""
         shown = islice(self._names, FEW)
         named = [f"{name!r}: {repr(self._kept[name]) if name in self._kept else '...'}" for name in shown]
         more = f", ... {len(self)} in all" if len(self) > FEW else ""
@@ -82,7 +82,7 @@ class OnDemand(Mapping[str, _V]):
 
 
 class Listed(tuple[_V, ...]):
-    """A tuple whose items are also found by name.
+    """A tuple whose items can also be accessed by their names.
 
     Examples
     --------
@@ -98,7 +98,7 @@ class Listed(tuple[_V, ...]):
     _words: tuple[str, str]
 
     def __new__(cls, values: Iterable[_V], kind: str = "name", owner: str = "This result") -> Self:
-        """Store the values, and the words of the message for an unknown name."""
+        """Store the values; ``kind`` and ``owner`` are words for the message about an unknown name."""
         listed = super().__new__(cls, values)
         listed._words = kind, owner
         return listed
@@ -108,7 +108,7 @@ class Listed(tuple[_V, ...]):
     @overload
     def __getitem__(self, which: slice) -> tuple[_V, ...]: ...
     def __getitem__(self, which: SupportsIndex | str | slice) -> _V | tuple[_V, ...]:
-        """Return the value of a name or number, or the values of a slice."""
+        """Return the value with a name or an index, or the values of a slice."""
         if isinstance(which, str):
             names = self._ipython_key_completions_()
             return super().__getitem__(names.index(key_of(which, names, *self._words)))
@@ -116,7 +116,7 @@ class Listed(tuple[_V, ...]):
 
     def _ipython_key_completions_(self) -> list[str]:
         """Names for completion in a notebook."""
-        return [item.name for item in self]  # type: ignore[attr-defined]  # items have a name
+        return [item.name for item in self]  # type: ignore[attr-defined]  # Every item has a name.
 
 
 class Named(dict[str, _V]):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _MINUTES, _HOURS = 120.0, 7200.0
-"""Smallest durations [s] written in minutes, in hours."""
+"""Durations from 120 s on are written in minutes, from 7200 s on in hours."""
 
 
 @dataclass(frozen=True)
@@ -18,29 +18,30 @@ class Progress:
     Parameters
     ----------
     combination : str
-        The combination being solved; empty before the first.
+        Name of the combination that is being solved; empty before the first combination.
     step : int
-        Newton steps of the active set, or pivots of Lemke's algorithm (reported every 64); 0 at the start of a
-        combination.
+        Number of Newton steps of the active set, or of pivots of Lemke's algorithm (reported after every 64 pivots); 0
+        at the start of a combination.
     changing : int
-        Contact points that opened or closed in this step.
+        Number of contact points that opened or closed in this step.
     residual : float
-        Largest residual force, relative to the largest nodal force, or the method's measure of it; 1 before the first
-        step.
+        Largest residual force, relative to the largest nodal force, or another measure of convergence of the method; 1
+        before the first step.
     stage : {"mesh", "factor", "contact", "refined"}
-        The stage that begins: meshing; assembly and factorization; the contact problem of a combination. With
-        ``mesh.accuracy``, "refined" is the end of each mesh.
+        The stage that begins: "mesh" is meshing, "factor" assembly and factorization, "contact" the contact problem of
+        a combination. "refined" is the end of the solution on each mesh with ``mesh.accuracy``.
     other_mesh : str
-        The other mesh that is being solved for ±, such as "twice its size".
+        Description of the other mesh that is being solved for ±, such as "twice its size"; empty for the mesh itself.
     mesh, meshes : int
-        Number of the mesh being solved, and of all meshes; 1 of 1 without other meshes.
+        Number of the mesh that is being solved, counted from 1, and number of all meshes.
     left : float
-        Estimated seconds for the remaining meshes; NaN without an estimate.
+        Estimated time for the remaining meshes in seconds; NaN without an estimate.
     reached : str
         With ``mesh.accuracy``, the accuracy of the previous mesh: "mesh 3, ± 0.12 on 400 elements"; empty for the first
-        mesh. At the end of a mesh its own accuracy, with the elements and memory that the accuracy would take.
+        mesh. At the end of a mesh: the accuracy on this mesh, with the elements and memory that the required accuracy
+        would take.
     method : str
-        Method, such as "the active set"; empty before the first step. A new method begins at step 0.
+        Name of the method, such as "the active set"; empty before the first step. A new method begins at step 0.
 
     Examples
     --------
@@ -82,7 +83,7 @@ class Progress:
 
 
 def _left(seconds: float) -> str:
-    """Write a remaining time.
+    """Write a remaining time in seconds, minutes or hours.
 
     Examples
     --------
@@ -96,11 +97,11 @@ def _left(seconds: float) -> str:
 
 
 Watcher: TypeAlias = Callable[[Progress], object]
-"""Called at every step; an exception in it ends the solve."""
+"""Function that is called with the state at every step; an exception in this function ends the solve."""
 
 
 def steps_of(combination: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
-    """Return a callback that reports the steps of a method to the watcher."""
+    """Return a callback for the steps of a method, which passes each step to the watcher as a `Progress`."""
 
     def steps(method: str, step: int, changing: int, residual: float) -> None:
         watcher(Progress(combination, step, changing, residual, method=method))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from typing import BinaryIO
+from io import BufferedReader
 
 _KINDS = {
     stat.S_IFIFO: "a pipe (FIFO)",
@@ -15,8 +15,8 @@ _KINDS = {
 }
 
 
-def open_regular(path: str | os.PathLike[str], largest: int) -> BinaryIO:
-    """Open a regular file, or a link to one, of at most ``largest`` bytes.
+def open_regular(path: str | os.PathLike[str], largest: int) -> BufferedReader:
+    """Open a regular file, or a link to a regular file, of at most ``largest`` bytes.
 
     Other files raise an OSError, whose ``strerror`` names the kind of file found and the kind allowed.
     """
@@ -33,6 +33,6 @@ def open_regular(path: str | os.PathLike[str], largest: int) -> BinaryIO:
 
 
 def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
-    """Read a regular file of at most ``largest`` bytes."""
+    """Read the bytes of a regular file of at most ``largest`` bytes."""
     with open_regular(path, largest) as file:
         return file.read()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 FEW = 4
-"""Largest number of entries that a repr shows."""
+"""Largest number of entries of an array or mapping that a repr shows."""
 
 
 class Brief:
@@ -35,20 +35,20 @@ class Brief:
         self._close_arrays()
 
     def _close_arrays(self) -> None:
-        """Make the arrays read-only: other values have been computed from them."""
+        """Make the arrays read-only: changing them would contradict the values that were computed from them."""
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
     def __repr__(self) -> str:
         """Show every public field, except those with ``repr=False``."""
-        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # its heirs are dataclasses
+        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # Subclasses are dataclasses.
         shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
 
 def short(value: Any) -> str:
-    """Show a value briefly: the shape of an array, the first names of a mapping."""
+    """Text that shows a value briefly, such as the shape of an array or the first names of a mapping."""
     match value:
         case np.ndarray():
             return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
@@ -65,7 +65,7 @@ def short(value: Any) -> str:
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
         case Sized() if hasattr(value, "shape"):
-            # Sparse arrays have no length.
+            # Sparse arrays have no len().
             return f"{type(value).__name__}{value.shape}"
         case Sized() if not hasattr(value, "__dataclass_fields__"):
             return f"{type(value).__name__} of {len(value)}"
@@ -76,27 +76,27 @@ def short(value: Any) -> str:
 class Remade(Brief):
     """Base class of immutable dataclasses that are pickled by their fields, without cached properties.
 
-    Fields in ``_made`` are not pickled either: they are recomputed from the others on access, bit-identically. Copies,
-    shallow or deep, share them.
+    Fields in ``_made`` are not pickled: on access they are recomputed from the other fields, bit-identically. Shallow
+    and deep copies share the fields in ``_made`` with the original.
     """
 
     _made: ClassVar[Mapping[str, Callable[[Any], object]]] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the pickled fields."""
+        """Return the fields to be pickled."""
         return {name: getattr(self, name) for name in self._names() if name not in self._made}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore the pickled fields."""
+        """Restore the fields that were pickled."""
         self.__dict__.update(state)
         self._close_arrays()
 
     def __copy__(self) -> Self:
-        """Share every field."""
+        """Make a shallow copy, which shares every field with the original."""
         return self._with(dict(self.__dict__))
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Copy the pickled fields, and share the others."""
+        """Make a deep copy: fields that are pickled are copied, the other fields are shared."""
         copy = self._with({})
         memo[id(self)] = copy
         copy.__setstate__({name: deepcopy(value, memo) for name, value in self.__getstate__().items()})
@@ -109,9 +109,9 @@ class Remade(Brief):
         return made
 
     def _names(self) -> list[str]:
-        return [field.name for field in fields(self)]  # type: ignore[arg-type]  # its heirs are dataclasses
+        return [field.name for field in fields(self)]  # type: ignore[arg-type]  # Subclasses are dataclasses.
 
-    if not TYPE_CHECKING:  # A type checker would accept any attribute.
+    if not TYPE_CHECKING:  # With ``__getattr__`` a type checker would accept any attribute.
 
         def __getattr__(self, name: str) -> Any:
             """Recompute a field in ``_made``; called for missing attributes only."""

@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, import-dxf, schema."""
+"""The command line: solve, check, path, verify, import-dxf, schema."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Annotated, Literal
 
 import typer
 
 import signorini
+from signorini.base.packages import package
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
@@ -25,9 +27,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini_command import ASKED
 
 _MAX_REASONS = 20
-"""Largest number of combinations without equilibrium whose reason is printed."""
+"""Largest number of combinations without equilibrium for which the reason is printed."""
 _BEFORE_LIMIT = 0.999
-"""Suggested end of a path, relative to the limit of equilibrium."""
+"""End of a path that a message suggests, relative to the factor at which equilibrium ends."""
 _OPTIONS = {
     "start": "--from",
     "add": "--add",
@@ -41,7 +43,7 @@ _OPTIONS = {
     "no_error": "--no-error",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
-"""Options of the command line by argument of `signorini.path` and `read_dxf`."""
+"""Command-line option for each argument of `signorini.path` and `read_dxf`."""
 
 app = typer.Typer(
     name="signorini",
@@ -59,14 +61,17 @@ app = typer.Typer(
 NoError = Annotated[
     bool, typer.Option("--no-error", help="Do not estimate mesh errors (±), as with mesh.error = false.")
 ]
+Threads = Annotated[
+    int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
+]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
 
 def main() -> None:
-    """Run the command line; the process ends with its exit code."""
+    """Run the command line and end the process with its exit code."""
     signal.signal(signal.SIGTERM, _terminate)
     for stream in (sys.stdout, sys.stderr):
-        # A character outside the terminal's encoding must not raise.
+        # Characters that the terminal's encoding lacks are replaced; by default they would raise an error.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
@@ -76,7 +81,7 @@ def main() -> None:
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
-    """Raise SystemExit, so that contexts remove incomplete files."""
+    """Raise SystemExit at SIGTERM, so that open contexts remove incomplete files."""
     sys.exit(interrupts.TERMINATED)
 
 
@@ -103,9 +108,7 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
-    ] = None,
+    threads: Threads = None,
     pictures: Annotated[
         Literal["all", "governing", "none"] | None,
         typer.Option(
@@ -113,6 +116,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
@@ -129,9 +133,9 @@ def solve(
         from signorini.output.names import TABLE
         from signorini.output.writing import write_results
 
-        if threads is not None:
-            # Rust reads this variable when its threads start, at their first use.
-            os.environ["RAYON_NUM_THREADS"] = str(threads)
+        if xlsx:
+            package("xlsxwriter")
+        _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
@@ -141,7 +145,7 @@ def solve(
                     results = signorini.solve(model, progress=show, table=table)
                     estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, artist.drawn if artist else None)
+                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
@@ -265,8 +269,41 @@ def path(
             raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond it {why}.")
 
 
+@app.command(
+    short_help="Solve the model in results again, compare all numbers.",
+    epilog="Example: signorini verify slab-results/results.json. Exit codes: 0 equal, 1 not equal, 2 bad file.",
+)
+def verify(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A results.json, a path.json or a report.", show_default=False)
+    ],
+    threads: Threads = None,
+) -> None:
+    """Solve the model that is embedded in a file of results, with the same options; name every value that differs.
+
+    Differences by rounding, up to 1e-7 of the largest number of the same kind, count as equal.
+    """
+    with _messages():
+        from signorini.cli.verification import print_verification
+        from signorini.output.verification import verified
+
+        _limit(threads)
+        with TemporaryDirectory() as room, progress_line() as show, interrupts.exit_on_signal(Path(room)):
+            verification = verified(file, show, Path(room))
+        print_verification(streams.stdout(), verification)
+        if not verification.equal:
+            raise typer.Exit(1)
+
+
+def _limit(threads: int | None) -> None:
+    """Limit the threads of the core."""
+    if threads is not None:
+        # Rust reads this variable when its threads start, at their first use.
+        os.environ["RAYON_NUM_THREADS"] = str(threads)
+
+
 def _loaded(file: Path, no_error: bool) -> signorini.Model:
-    """Load a model; ``no_error`` sets mesh.error = false."""
+    """Load a model; if ``no_error`` is True, set mesh.error = false."""
     model = signorini.load(file)
     if not no_error:
         return model
@@ -284,7 +321,7 @@ def _numbers(text: str) -> list[float]:
 
 
 def _events(events: str) -> Literal["named", "all"]:
-    """Validate the option ``--events``."""
+    """Return the value of ``--events`` if it is "named" or "all"; refuse other values."""
     from signorini.base.arguments import known
 
     return "all" if known(events, ("named", "all"), "choice", "events", "It") == "all" else "named"
@@ -361,7 +398,7 @@ def schema() -> None:
     """Print the JSON Schema of the input file, for completion and checks in editors."""
     with _messages():
         try:
-            # The output is the only result: an incomplete schema is an error.
+            # An output that is cut off is an error here, because no file has the schema.
             sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
             sys.stdout.flush()
         except BrokenPipeError:
@@ -373,7 +410,7 @@ def schema() -> None:
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
-    """Raise NoEquilibriumError if combinations have no equilibrium, with the reasons of the first few."""
+    """Raise NoEquilibriumError if ``count`` > 0; the message has the reasons of the first 20 combinations."""
     if count:
         reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MAX_REASONS]
         more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
@@ -382,7 +419,7 @@ def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
 
 @contextmanager
 def _messages(file: Path | None = None) -> Iterator[None]:
-    """Context that converts errors to a message on standard error and an exit code."""
+    """Context that converts an exception to a message on standard error and an exit code."""
     try:
         yield
     except InputError as error:
@@ -408,7 +445,7 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except BaseException as error:
         if ASKED:
             _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
-        # A Rust panic arrives as a BaseException that is not an Exception.
+        # A Rust panic is a BaseException but no Exception.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         _end(

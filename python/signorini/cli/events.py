@@ -1,4 +1,4 @@
-"""The table of a load path's events."""
+"""Print the events of a load path as a table."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh the event does not occur, or at a very different t"
 _MAX_EVENTS = 40
-"""Largest number of events that are all printed; of more, the first and the last 20."""
+"""Largest number of events that are all printed; if there are more, the first and the last 20 are printed."""
 _MAX_INTERVALS = 3
 """Largest number of intervals of t with a non-unique solution that are printed."""
 _MAX_COLUMNS = 6
-"""Largest number of supports with columns of reactions; those of more supports are in path.csv only."""
+"""Largest number of supports with a column of reactions each; with more supports, only path.csv has reactions."""
 
 
 def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) -> None:
-    """Print every event: t, points that open or close, largest deflection, reactions."""
+    """Print a row for each event of a path: t, points that open or close, largest deflection, reactions."""
     model, units = path.model, path.model.units
     if model.title:
         say(console, model.title, style="bold")

@@ -42,13 +42,13 @@ Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None without half-widths."""
 
 _MAX_NAMED = 5
-"""Largest number of combinations without equilibrium that are named; the others are in the files."""
+"""Largest number of combinations without equilibrium that are named; files name the others."""
 _MAX_PROBES = 6
-"""Largest number of probes whose extremes are listed, eight rows each."""
+"""Largest number of probes whose extremes are printed; a probe has eight rows."""
 _MAX_LISTED, _MAX_COMBINATIONS = 40, 40
-"""Largest numbers of bearings and combinations with a table of all reactions."""
+"""Largest number of bearings, and of combinations, for which all reactions are printed."""
 _MAX_BEARINGS = 12
-"""Largest number of bearings whose governing reactions are listed; those of more are in a file only."""
+"""Largest number of bearings whose governing reactions are printed; with more bearings, only a file has them."""
 
 
 def print_combined(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
@@ -89,7 +89,9 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
 
 
 MeanRow = tuple[str, Sequence[Sequence[str]]]
-"""A field, and the cells of its largest and smallest mean: number, place, width and, if shown, combination."""
+"""Name of a field, and the cells of its largest and of its smallest mean: value, position, width and, for several
+combinations, the combination.
+"""
 
 
 def print_means(
@@ -113,7 +115,7 @@ def print_means(
 
 
 def print_bearings(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the reaction of each bearing in each combination, unless there are too many of them."""
+    """Print a table with the reaction of each bearing in each combination, unless it would be too large."""
     layout, rows, model = results.combined.layout, results.combined.rows, results.model
     points = any(bearing.point is not None for bearing in layout.bearings)
     few = len(results) <= _MAX_COMBINATIONS and 1 < len(layout.bearings) <= _MAX_LISTED
@@ -134,14 +136,14 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
 
 
 def _cells(values: Sequence[float], widths: Sequence[float | None], largest: float) -> list[str]:
-    """Write numbers, with half-widths if any is known."""
+    """Write numbers with their half-widths; without any half-width, the numbers alone."""
     if all(width is None for width in widths):
         return [number(value, largest) for value in values]
     return [estimated(value, width, largest) for value, width in zip(values, widths, strict=True)]
 
 
 def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
-    """Names of bearings: the support's name, with the number of the point if the support has several."""
+    """Name of each bearing: that of its support, with the point's number if the support has several points."""
     supports = [bearing.support for bearing in bearings]
     return [
         f"{model.support[bearing.support].name}[{bearing.point}]"
@@ -232,7 +234,7 @@ def _print_fields(console: Console, results: Results, group: str, enveloped: Map
 
 
 def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
-    """Print the extremes of the fields at probes with their combinations, a row per probe and field."""
+    """Print the largest and smallest value of each field at each probe, with the governing combinations."""
     probes, units, widths = envelope["probes"], results.model.units, envelope["plus_minus"]
     if not probes:
         return
@@ -295,7 +297,7 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
 
 
 def _print_lines(console: Console, results: Results, group: str, widths: Widths) -> None:
-    """Print the largest and smallest reaction per length of each line with their combinations."""
+    """Print the largest and smallest reaction per length of each line support, with the governing combinations."""
     whole, model = results.combined.over(group), results.model
     lines = [(index, model.support[index].name) for index in whole.layout.lines]
     most, least = ([whole[f"{side}_per_length:{name}"] for _, name in lines] for side in SIDES)
@@ -311,7 +313,7 @@ def _print_lines(console: Console, results: Results, group: str, widths: Widths)
 
 
 def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
-    """Print the extremes of sections and strips with their combinations."""
+    """Print the largest and smallest forces of sections and strips, with the governing combinations."""
     units, widths, by = results.model.units, envelope["plus_minus"], Column("of", coded=labels.numbered)
     if envelope["sections"]:
         shown = Grid([Column("section"), *numbers("largest"), by, *numbers("smallest"), by])

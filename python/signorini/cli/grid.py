@@ -1,4 +1,4 @@
-"""Numbers, lines and tables on the terminal. Lines break between words, not within a number, a point or a unit."""
+"""Text and tables on the terminal. Lines break between words, but not within a number, a point or a unit."""
 
 from __future__ import annotations
 
@@ -20,67 +20,69 @@ Line = Sequence[Text]
 
 _GAP = "   "
 _LONGEST_WORD = 32
-"""Largest number of characters of a word that is never divided."""
+"""Largest number of characters of a word that is never divided at a line's end."""
 _GLUE = "\ue000"
-"""Character that replaces a space at which a line must not break."""
+"""Character that temporarily replaces a space at which a line must not break."""
 _UNBREAKABLE = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
-"""Pattern of the space between a number and its unit or sign, of a point [x, y], and of the unit of a title."""
+"""Pattern of text in which spaces are kept together: between a number and its unit or sign, in a point [x, y], and in
+the unit of a title.
+"""
 _WORD_PART = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
-"""Pattern of a part of a word with the separator after it."""
+"""Pattern of a part of a word, including the separator at its end; a long word is divided into such parts."""
 _PAGE = 120
-"""Largest width of a transposed table, in characters, also in a file."""
+"""Largest width of a transposed table [characters], on a terminal and in a file."""
 _MIN_TEXT, _MIN_OPTIONAL = 16, 24
-"""Smallest widths, in characters, of a text column before the table is transposed, and of an optional column before it
-is dropped."""
+"""Smallest width [characters] of a text column, and of an optional column. If the columns do not fit, optional columns
+are dropped first, then the table is transposed."""
 
 
 def say(console: Console, text: Cell, style: str = "") -> None:
-    """Print a text; lines break between words at the width of the console."""
+    """Print a text; lines end between words at the width of the console."""
     for line in str(text).split("\n") if isinstance(text, str) else [text]:
         for part in _wrapped(console, _glued(line), console.width):
             console.print(part, style=style)
 
 
 def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
-    """Print the scope of the certificate and of ±; ``elements`` are the numbers of elements of the compared meshes."""
+    """Print that the certificate checks one mesh, and how ± follows from meshes of ``elements`` elements."""
     say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table."""
+    """Title of a table's column, and how it is printed."""
 
     title: str
-    number: bool = False  # right-aligned, never wrapped
-    spare: bool = False  # optional: dropped if the console is too narrow
-    coded: bool = False  # shortened to the code before the colon if the console is too narrow
+    number: bool = False  # whether cells are numbers: right-aligned, never wrapped
+    spare: bool = False  # whether the column may be dropped if the console is too narrow
+    coded: bool = False  # whether cells are cut at the first colon if the console is too narrow
 
 
 def numbers(*titles: str) -> list[Column]:
-    """Return columns of numbers with these titles."""
+    """Return columns of numbers with the given titles."""
     return [Column(title, number=True) for title in titles]
 
 
 @dataclass
 class Grid:
-    """A table; the first ``heads`` columns are row headings.
+    """A table whose first ``heads`` columns are row headings.
 
-    On a narrow console, text is wrapped first, then optional columns are dropped, then the table is transposed in
-    blocks of rows.
+    On a narrow console text is wrapped; if the table is still too wide, optional columns are dropped; if it is still
+    too wide, the table is transposed in blocks of rows.
     """
 
     columns: Sequence[Column]
     heads: int = 1
     rows: list[list[Text]] = field(default_factory=list)
-    last_apart: bool = False  # a rule above the last row
-    unknown: str = ""  # note below a table with an unknown half-width
+    last_apart: bool = False  # whether a line is drawn above the last row
+    unknown: str = ""  # text printed below a table in which a half-width is unknown
 
     def add(self, *cells: Cell) -> None:
-        """Append a row."""
+        """Append a row that consists of these cells."""
         self.rows.append([_glued(cell) for cell in cells])
 
     def show(self, console: Console, apart: bool = False) -> None:
-        """Print the table, unless it is empty, and the note about "± ?"; ``apart`` adds an empty line."""
+        """Print the table, unless it is empty; below it a note if it contains "± ?", and an empty line if ``apart``."""
         if not self.rows:
             return
         self._show(console)
@@ -106,7 +108,10 @@ class Grid:
         self._print(console, kept, widths)
 
     def _widths(self, kept: Sequence[int], width: int) -> list[int] | None:
-        """Widths of columns that fit ``width``, by narrowing the widest first; None if they do not fit."""
+        """Widths of the columns ``kept`` such that the table fits ``width``; None if they do not fit.
+
+        The widest column is narrowed first.
+        """
         titles = [_glued(self.columns[index].title) for index in kept]
         widths, least = [], []
         for title, index in zip(titles, kept, strict=True):
@@ -138,7 +143,7 @@ class Grid:
                 console.print(_line(columns, widths, [cell[level] if level < len(cell) else Text() for cell in cells]))
 
     def show_turned(self, console: Console) -> None:
-        """Print the transposed table, in blocks of as many rows as fit side by side."""
+        """Print the transposed table in blocks; a block has as many rows of the table as fit side by side."""
         width = min(console.width, _PAGE)
         first = Text(" ").join(_glued(column.title) for column in self.columns[: self.heads] if column.title)
         heads = [Text(" ").join(cell for cell in row[: self.heads] if cell) for row in self.rows]
@@ -164,7 +169,7 @@ class Grid:
 
 
 def _glued(cell: Cell) -> Text:
-    """Replace the spaces at which a line must not break."""
+    """Replace each space at which a line must not break by `_GLUE`."""
     text = Text(cell) if isinstance(cell, str) else cell.copy()
     text.plain = _UNBREAKABLE.sub(lambda match: match[0].replace(" ", _GLUE), text.plain)
     return text
@@ -175,7 +180,7 @@ def _longest_word(text: Text) -> int:
 
 
 def _divided(word: str, width: int) -> str:
-    """Divide a word at separators into parts of at most ``width`` characters.
+    """Insert spaces after separators of a word, so that its parts have at most ``width`` characters if possible.
 
     Examples
     --------
@@ -191,7 +196,7 @@ def _divided(word: str, width: int) -> str:
 
 
 def _wrapped(console: Console, text: Text, width: int) -> list[Text]:
-    """Wrap a glued text; words longer than a line are divided at separators."""
+    """Wrap a text of `_glued` to ``width``; words longer than a line are divided at separators."""
     if max(map(cell_len, text.plain.split(" "))) > width:
         text = text.copy()
         text.plain = " ".join(_divided(word, width) for word in text.plain.split(" "))
@@ -203,7 +208,7 @@ def _wrapped(console: Console, text: Text, width: int) -> list[Text]:
 
 
 def _line(columns: Iterable[Column], widths: Iterable[int], cells: Iterable[Text]) -> Text:
-    """Join the cells of a row."""
+    """Join the cells of a row, each padded to the width of its column."""
     padded = []
     for column, width, cell in zip(columns, widths, cells, strict=True):
         space = " " * (width - cell.cell_len)
@@ -220,7 +225,7 @@ UNSETTLED = f"{UNKNOWN}: does not converge with the mesh; it is near a place lis
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
-    """Write a number with its half-width, if there are half-widths; ``path`` gives its keys in ``widths``."""
+    """Write a number, with ± and its half-width if ``widths`` exist; ``path`` are its keys in ``widths``."""
     if widths is None:
         return number(value, largest, digits)
     width: Any = widths
@@ -230,7 +235,10 @@ def cell(
 
 
 def in_contact(name: str, shown: str, value: float, total: float, measure: str, unit: str) -> str:
-    """Write the contact length or area of a support; ``shown`` is ``value`` with its half-width."""
+    """Write how much of a support is in contact: ``value`` of its length or area ``total``.
+
+    ``shown`` is ``value`` as text with its half-width.
+    """
     if not total:
         return f"{name}: the plate is held by other supports everywhere on it"
     percent = min(100.0, 100.0 * value / total)
@@ -238,10 +246,10 @@ def in_contact(name: str, shown: str, value: float, total: float, measure: str, 
 
 
 def in_title(quantity: Quantity, units: Units) -> str:
-    """Name of a quantity with its unit."""
+    """Title of a column: name and unit of a quantity."""
     return f"{quantity.name}{in_unit(quantity.unit(units))}"
 
 
 def unit_of(length: str, power: int = 1) -> str:
-    """Unit to append to a number; empty without a label."""
+    """Text with a space and the unit ``length`` to this power; empty if the model has no label for the unit."""
     return f" {length}{'²' if power == 2 else ''}" if length else ""

@@ -16,9 +16,9 @@ TERMINATED = 143
 MESSAGE = "Interrupted; no files are written."
 
 _GRACE = 1.0
-"""Seconds for Python code to unwind after a signal."""
+"""Seconds that Python code has, after a signal, to end by itself."""
 PATH_GRACE = 30.0
-"""Seconds for a cancelled load path to end and write its files."""
+"""Seconds that a cancelled load path has to end and write its files."""
 
 
 @contextmanager

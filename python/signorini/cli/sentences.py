@@ -28,24 +28,24 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 _SAME_POINT = 1e-9
-"""Distance of equal points, relative to the plate's size: far above rounding."""
+"""Largest distance of points that coincide, relative to the plate's size: far above rounding."""
 _MAX_CORNERS = 6
 """Largest number of lifted corners that are listed."""
 SEVERAL = 3
-"""Smallest number of combinations with a summary in place of the tables of each."""
+"""Smallest number of combinations for which a summary replaces the tables of each combination."""
 _SHORT_NAME, _EXAMINED = 12, 1000
-"""Largest length of a name without a number, in characters; number of names examined."""
+"""Combinations get numbers if a name among the first 1000 is longer than 12 characters."""
 MAX_KINDS = 6
 """Largest number of kinds of singularities that are listed."""
 _PLACES = re.compile(r" at \[.*")
-"""Pattern of the places in the description of a singularity."""
+"""Pattern of the positions in the description of a singularity."""
 
 
 class Labels:
-    """Numbers "C1", "C2", ... of combinations with long names, in the order of the input.
+    """Numbers "C1", "C2", ... of combinations, in the order of the input, if names are long.
 
-    A table cell is "C7: name", or "C7" on a narrow console; a sentence has "name (C7)". ``named`` collects the
-    printed combinations.
+    A table cell is "C7: name", or "C7" on a narrow console; a sentence has "name (C7)". ``named`` has the names of the
+    numbers that were printed.
     """
 
     def __init__(self, results: Results) -> None:
@@ -54,7 +54,7 @@ class Labels:
         self.numbered = several and any(len(name) > _SHORT_NAME for name in islice(results, _EXAMINED))
 
     def code(self, name: str) -> str:
-        """Return the number of a combination, or its name if names are short."""
+        """Return "C7" for a combination, or its name if combinations are not numbered."""
         if not self.numbered:
             return name
         number = self._number_of(name) + 1
@@ -62,20 +62,20 @@ class Labels:
         return f"C{number}"
 
     def cell(self, name: str) -> str:
-        """Return the name for a coded column."""
+        """Return "C7: name" for a combination, or its name if combinations are not numbered."""
         return f"{self.code(name)}: {name}" if self.numbered else name
 
     def in_sentence(self, name: str) -> str:
-        """Return the name for a sentence."""
+        """Return "name (C7)" for a combination, or its name if combinations are not numbered."""
         return f"{name} ({self.code(name)})" if self.numbered else name
 
     def listed(self) -> Iterator[str]:
-        """List the printed numbers with their names."""
+        """Yield "C7: name" for each number that was printed."""
         yield from (f"C{number}: {name}" for number, name in sorted(self.named.items()))
 
 
 def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Iterator[str]:
-    """Name the singularities around which nodes are excluded from extremes of moments and shears."""
+    """Yield sentences on the singularities around which extremes of moments and shears exclude nodes."""
     quantities: dict[tuple[str, float], list[str]] = {}
     for name, places in singular.items():
         for place in places:
@@ -94,12 +94,15 @@ def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Ite
 
 
 def kind_of(singularity: Singularity) -> str:
-    """The description of a singularity without its places."""
+    """The description of a singularity without the positions at its end."""
     return _PLACES.sub("", singularity.what)
 
 
 def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -> Iterator[str]:
-    """Yield contact areas and pressures of areas, and contact lengths of lines; ``pressure`` is the largest of all."""
+    """Yield contact area and pressure of each area support, and the contact length of each line support.
+
+    ``pressure`` is the largest of all areas; it sets the digits.
+    """
     units = result.model.units
     for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
         total, path = float(values.weights.sum()), place_of(result.model, index)
@@ -124,7 +127,7 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
 
 
 def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield the sums of bolt forces, and their ratio to the tension of the loads."""
+    """Yield the sums of preloads and reactions of bolts, and the ratio of bolt force to the tension of the loads."""
     unit = unit_of(result.model.units.force)
     for joint in joints(result):
         size = max(abs(joint["preload"]), abs(joint["reaction"]))
@@ -137,7 +140,7 @@ def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
 
 
 def lifted(result: Result) -> str:
-    """Name the corners of the plate that have lifted off a support with zero gap, with the lift; empty if none.
+    """List the plate's corners that have lifted off a support with zero gap, and their lift; empty without any.
 
     The lift is measured from w = min(settlement, 0): a support that settles away from the plate does not lift it.
     """
@@ -170,13 +173,13 @@ def _lifted(result: Result) -> str:
 
 
 def _corners(result: Result) -> list[int]:
-    """Nodes at the ends of the plate's open edges."""
+    """Nodes at both ends of the plate's named edges, except closed edges."""
     ends = [(int(triples[0, 0]), int(triples[-1, 2])) for triples in result.mesh.edges.values() if len(triples)]
     return sorted({node for first, last in ends if first != last for node in (first, last)})
 
 
 def _holds(result: Result, support: Support, values: SupportResult, points: Floats) -> Bools:
-    """Mask of the points (k, 2) on a support."""
+    """Mask (k,) of the points (k, 2) that are on a support."""
     if support.place == "area":
         return support.where.covers(points)
     nodes = [result.mesh.points[result.mesh.edges[name][:, (0, 2)].ravel()] for name in support.where.edges]
@@ -186,13 +189,13 @@ def _holds(result: Result, support: Support, values: SupportResult, points: Floa
 
 
 _WIDE = 0.5
-"""Largest half-width, relative to its number, that is not reported."""
+"""Largest ratio of a half-width to its number that is not reported."""
 _NEAR = 4.0
-"""Distance from a singularity, in element sizes, within which values depend on the mesh. It is two elements of the
-compared mesh of double size.
+"""Distance from a singularity, in element sizes, within which values depend on the mesh. It equals two elements of the
+coarser compared mesh, which has elements of double size.
 """
 _MINOR = 0.25
-"""Largest half-width, relative to the largest moment or shear of any direction, that is not reported."""
+"""Largest ratio of a half-width to the largest moment, or shear, of any direction that is not reported."""
 _STRIP = 1e-3
 """Width ℓ of a strip, relative to the plate's size. Moments up to p ℓ² and shears up to p ℓ under the mean pressure p
 count as zero.
@@ -200,7 +203,7 @@ count as zero.
 
 
 def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Report the largest moments and shears whose half-width is more than half of the number, with the remedy."""
+    """Yield a sentence if half-widths exceed half of the largest moments and shears, with the remedy."""
     wide: dict[str, tuple[float, str]] = {}
     size = results.discretisation.mesh.size
     for fields, widths, force in _fields(results, estimates):
@@ -225,7 +228,7 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
 
 
 def _near_singularity(discretisation: Discretisation, xy: Sequence[float]) -> bool:
-    """Whether a point is near a singularity of moments or shears, which is reported separately."""
+    """Whether a point is so near to a singularity of moments or shears that the latter is reported instead."""
     place = np.array([xy])
     where = discretisation.mesh.locate(place)
     if not where.inside.all():
@@ -239,7 +242,7 @@ def _near_singularity(discretisation: Discretisation, xy: Sequence[float]) -> bo
 def _fields(
     results: Results, estimates: Estimates | None
 ) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any], float]]:
-    """Yield extremes of moments and shears, their half-widths and the largest force, of a combination or a table."""
+    """Yield extremes of moments and shears, their half-widths and the largest force, per combination or table."""
     if results.model.tabulated:
         values = envelope_json(results, estimates)
         if values is not None and values["plus_minus"] is not None:
@@ -256,7 +259,7 @@ def _fields(
 
 
 def _force(results: Results) -> float:
-    """Upper bound of the total reaction over the rows of a table."""
+    """Upper bound of the total reaction in any combination of a table."""
     values, catalogue = results.combined.envelope.values, results.combined.layout.catalogue
     largest = np.fmax(np.abs(values.largest), np.abs(values.smallest))
     if results.model.plates:

@@ -40,8 +40,8 @@ def flush() -> None:
 
 
 def discard(stream: IO[str]) -> None:
-    """Discard all further output, including the buffer."""
-    # The streams of pytest have no file descriptor.
+    """Discard the stream's buffer and all further output."""
+    # Under pytest the streams have no file descriptor.
     with suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, stream.fileno())
@@ -60,7 +60,7 @@ def visible(text: object) -> str:
 
 
 class _Tolerant:
-    """A stream that discards its output after an OSError."""
+    """A stream that discards all further output after an OSError."""
 
     def __init__(self, stream: IO[str]) -> None:
         self._stream = stream
@@ -83,7 +83,7 @@ class _Tolerant:
 
 
 def _console(stream: IO[str]) -> Console:
-    """Return a console without markup, highlighting and line breaks."""
+    """Return a console that neither interprets nor highlights text, and that does not break lines."""
     tolerant: Any = _Tolerant(stream)
     console = Console(file=tolerant, markup=False, highlight=False, emoji=False, soft_wrap=True)
     if not console.is_terminal:
@@ -92,16 +92,16 @@ def _console(stream: IO[str]) -> Console:
 
 
 _SPINNER_WIDTH = 4
-"""Width in characters of the spinner with its margins."""
+"""Width of the spinner with its margins [characters]."""
 _LOG_INTERVAL = 60.0
-"""Seconds between lines of a log: a run of hours gives a few pages."""
+"""Seconds between lines of progress in a log; a run of some hours then gives a few pages."""
 
 
 @contextmanager
 def progress_line() -> Iterator[Callable[[object], None]]:
-    """Context with a function that shows progress on standard error.
+    """Context with a function that shows a message of progress on standard error.
 
-    On a terminal a message replaces the previous one; messages about refined meshes remain. Otherwise at most one line
+    On a terminal a message replaces the previous one; messages about refined meshes remain. Elsewhere at most one line
     per minute is printed, with the seconds since the start.
     """
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)

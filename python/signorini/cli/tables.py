@@ -47,15 +47,15 @@ Widths = Mapping[str, Any] | None
 """Half-widths as in results.json; None without half-widths."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MAX_POINTS = 20
-"""Largest number of points whose reactions are listed; of more, those with the largest reactions."""
+"""Largest number of points whose reactions are all printed; with more points, the largest reactions are printed."""
 _MAX_OPEN = 8
-"""Largest number of open points that are listed if not all points are; more are only counted."""
+"""Largest number of open points that are named if not all points are listed; with more, their number is printed."""
 _MAX_WARNINGS = 20
-"""Largest number of warnings, and of snapped shapes, that are listed."""
+"""Largest number of warnings, and of shapes moved by snapping, that are printed."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
-    """Print every combination: supports, points, certificate, extremes, probes; then warnings and singularities."""
+    """Print the tables of each combination or, of several, a summary; then warnings and singularities."""
     discretisation, labels = results.discretisation, Labels(results)
     _print_model(console, discretisation)
     if results.model.tabulated:
@@ -95,7 +95,7 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
 
 
 def _print_refinement(console: Console, results: Results) -> None:
-    """Print the meshes of the refinement to ``mesh.accuracy``."""
+    """Print elements, dofs and largest half-width of each mesh solved for ``mesh.accuracy``."""
     if not results.refinement:
         return
     shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")])
@@ -214,7 +214,7 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
 
 
 def _print_largest(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the extremes of moments and shears over all combinations, the worst certificate and the meshes of ±."""
+    """Print the largest moments and shears of all combinations, the worst certificate, and the meshes behind ±."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     if not solved:
         return
@@ -247,7 +247,7 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
 def _means(
     results: Sequence[Result], name: str, size: float, widths: Callable[[Result], Widths], labels: Labels | None = None
 ) -> MeanRow:
-    """Cells of the largest and smallest mean of a field over several results; empty without means."""
+    """Cells of the largest and smallest mean of the field ``name`` over several results; empty without means."""
     cells: list[list[str]] = []
     for side, sign in zip(MEAN_SIDES, (1.0, -1.0), strict=True):
         with_mean = [result for result in results if not np.isnan(getattr(result.extremes[name], side))]
@@ -301,7 +301,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
 
 
 def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the extremes of the reaction per length of each line, and its largest concentrated force."""
+    """Print the extremes of the reaction per length of each line support, and its largest concentrated force."""
     units, size, where = result.model.units, result.mesh.size, f"at{in_unit(result.model.units.length)}"
     titles = f"largest{in_unit(units.force_by_length(-1))}", where, "smallest", where
     shown = Grid([Column("reaction per length"), *numbers(*titles, f"corner{in_unit(units.force)}", where)])
@@ -323,7 +323,7 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print reactions of point supports; of many points, those with the largest reactions."""
+    """Print the reactions of point supports; of many points, only the largest reactions."""
     supports, units, size = result.supports, result.model.units, result.mesh.size
     every = [(i, k) for i, values in enumerate(supports) if values.place == "at" for k in range(len(values.reactions))]
     if not every:
@@ -367,7 +367,7 @@ def _print_deflection(console: Console, result: Result, widths: Widths, prefix: 
 
 
 def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the extremes of moments and shears, the excluded places, and the means there."""
+    """Print the extremes of moments and shears, the places that these exclude, and the means at those places."""
     units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
@@ -401,7 +401,7 @@ def _print_probes(console: Console, result: Result, widths: Widths, largest: Map
 
 
 def _print_through(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print a row per section, and a row per strip with the extremes of its mean moment."""
+    """Print a row for each section with its forces, and for each strip with the extremes of its mean moment."""
     units, size = result.model.units, result.mesh.size
     if result.sections:
         console.print()
@@ -431,7 +431,7 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
 
 
 def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Warnings with the names of their combinations."""
+    """Each warning, with the names of the combinations to which it applies."""
     values: dict[str, list[str]] = {}
     for result in results.full.values():
         mesh_warnings = () if estimates is None else estimates[result.name].warnings
@@ -441,7 +441,7 @@ def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, lis
 
 
 def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], combinations: int = 0) -> None:
-    """Print each warning with its combinations, unless it applies to all ``combinations``."""
+    """Print each warning with the names of its combinations; without names if it applies to all ``combinations``."""
     for sentence, names in list(warnings.items())[:_MAX_WARNINGS]:
         affected = list(names)
         where = f" ({', '.join(affected)})" if 0 < len(affected) < combinations else ""
@@ -453,9 +453,10 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], com
 
 
 def _print_singular(console: Console, named: Iterable[Singularity], model: Model, rest: str = "") -> None:
-    """Print a line about singular results and a line about results that this mesh does not resolve.
+    """Print a line about singular results and a line about results for which this mesh is too coarse.
 
-    Each kind has its first place and the number of others; a load is identified by its case. ``rest`` is appended.
+    For each kind of singularity the first position is printed, and the number of others; a load is named by its case.
+    ``rest`` is appended to each line.
     """
     cases, every = {load.case for load in model.load}, list(dict.fromkeys(named))
     for word, limited in (("Singular", False), ("Unresolved", True)):

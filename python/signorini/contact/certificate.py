@@ -1,7 +1,7 @@
 """The certificate: errors of an answer, computed from the statement of the problem alone.
 
-From displacements u and reactions λ it recomputes gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance.
-It uses no factor, no condensed matrix and no status of a solver.
+From displacements u and reactions λ, gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance are recomputed,
+without any factor, condensed matrix or status of a solver.
 """
 
 from __future__ import annotations
@@ -20,28 +20,32 @@ from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats, Ints
 
 TOLERANCE = 1e-8
-"""Largest error of a certified answer, relative to the sizes stated in `Certificate`."""
+"""Largest error of a certified answer; each error is relative to the reference size stated in `Certificate`."""
 CERTIFIABLE = 1e-4
 """Largest ``rounding`` and ``lost`` of a certified answer, see `Certificate`.
 
-Roundings at the nodes add up as in a random walk, loads add up directly. So the error of the answer is hardly larger.
+Rounding errors at the nodes add up as in a random walk, loads add up directly. So the error of the whole answer is
+hardly larger than this.
 """
 _ROUNDINGS = 4.0
-"""Smallest imbalance that is significant, in machine epsilons times the internal and contact forces at a node."""
-_RANK = 1e-12
-"""Rank tolerance of supports' rows over rigid motions, relative to the largest singular value."""
-_NIL = 1e-6
-"""Largest deflection, relative to F a²/D, that may be rounding of the elimination."""
-_UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Factor 4ε/`TOLERANCE` = 9e-8: an error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size."""
-_CANCELLED = CANCELLED / TOLERANCE
-"""Factor `CANCELLED`/`TOLERANCE` = 4e-7: the same for loads that cancel, whose rounding is `CANCELLED` times their
-size.
+"""Largest imbalance at a node that counts as rounding, in machine epsilons times the internal and contact forces there.
 """
+_RANK = 1e-12
+"""Rank tolerance for products of supports' rows with rigid motions, relative to the largest singular value."""
+_NIL = 1e-6
+"""Largest deflection, relative to F a²/D, that may be rounding of the elimination; F is the load, a the plate's size.
+"""
+_UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
+"""Factor 4ε/`TOLERANCE` = 9e-8 in reference sizes.
+
+An error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size.
+"""
+_CANCELLED = CANCELLED / TOLERANCE
+"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel, whose rounding is `CANCELLED` times their size."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
-"""Names of the errors, in the order in which they are shown."""
+"""Names of the errors of a certificate, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
-"""Errors that may be compared with the rounding of the plate's forces."""
+"""Errors that, if above the tolerance, are compared with the rounding of the plate's internal and support forces."""
 
 
 @dataclass(frozen=True)
@@ -51,29 +55,31 @@ class Certificate:
     Parameters
     ----------
     penetration : float
-        Largest penetration (Gu − Cλ − g)₊ or violation of a held deflection, relative to the largest deflection. This
-        size is at least 10⁻⁶ F a²/D for a load F on a plate of size a, and 10⁻⁷ a times the prescribed slopes.
-        Violations of held slopes are relative to the largest slope, at least this size over a.
+        Largest penetration (Gu − Cλ − g)₊ or violation of a held deflection, relative to the reference deflection: the
+        largest deflection, at least 10⁻⁶ F a²/D for a load F on a plate of size a, and at least 10⁻⁷ a times the
+        prescribed slopes. Violations of held slopes are relative to the largest slope, at least the reference
+        deflection over a.
     tension : float
         Largest reaction of the wrong sign, or beyond its limit, relative to the largest reaction or nodal load.
     complementarity : float
-        Largest min(reaction, gap), each relative to its size above.
+        Largest min(reaction, gap), with the reaction relative to the size of ``tension``, the gap to that of
+        ``penetration``.
     equilibrium : float
-        Largest nodal force F − Ku − Gᵀλ relative to the largest nodal load; couples over the element size.
+        Largest nodal force F − Ku − Gᵀλ relative to the largest nodal load; couples are divided by the element size.
     balance : float
         Largest global resultant of loads and reactions (force, two moments over a) relative to the sum of magnitudes.
     tension_limit, equilibrium_limit, balance_limit : float
         Rounding of these errors in double precision. Internal forces of thin plates, and forces of supports that push
-        against each other, are far larger than the loads, so that it may exceed the tolerance. An error above the
-        tolerance is compared with its limit. 0 if all three errors are within the tolerance.
+        against each other, are far larger than the loads, so that their rounding may exceed the tolerance. An error
+        above the tolerance is compared with its limit. 0 if all three errors are within the tolerance.
     rounding : float
         Largest limit that was used, relative to the acting forces: loads, reactions, and with settlements the forces
         that bend the plate. Above 1e-4 the answer is not certified. 0 if no limit was used.
     lost : float
-        0 unless stress-free curvatures or self-equilibrated loads act together with other loads. The resultant of
-        loads and reactions, relative to the magnitudes of these other loads or the largest total of a support. Or, if
-        larger, the largest of the least-norm support forces with this resultant, relative to the largest reaction.
-        Above 1e-4 the other loads are lost in rounding.
+        0 unless stress-free curvatures or self-equilibrated loads act together with other loads. Then the resultant of
+        these other loads and the reactions, relative to the sum of the magnitudes of these other loads, or to the
+        largest total force of a support if larger. Or, if larger, the largest of the least-norm support forces with
+        this resultant, relative to the largest reaction. Above 1e-4 the other loads are lost in rounding.
     """
 
     penetration: float
@@ -89,12 +95,12 @@ class Certificate:
 
     @property
     def limited(self) -> bool:
-        """Whether the certificate passes because an error above the tolerance is within its rounding limit."""
+        """Whether the certificate passes only because an error above the tolerance is within its rounding limit."""
         return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
 
     @classmethod
     def worst(cls, certificates: Sequence[Self]) -> Self:
-        """Certificate with the largest value of each field over several certificates."""
+        """Certificate whose fields are the largest values of these fields in ``certificates``."""
         return cls(
             **{
                 figure.name: max(getattr(certificate, figure.name) for certificate in certificates)
@@ -104,12 +110,12 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether each error is within the tolerance or its limit, and rounding is small enough."""
+        """Whether each error is within the tolerance or its limit; ``rounding`` and ``lost`` within `CERTIFIABLE`."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
     def __str__(self) -> str:
-        """Describe the certificate in a line."""
+        """Describe the certificate in one line."""
         figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
         limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
         note = f"; arithmetic limits {limits}" if self.limited or self.rounding > CERTIFIABLE else ""
@@ -128,9 +134,9 @@ def certify(
 ) -> Certificate:
     """Certify displacements u = ``hi + lo`` (3n,) and reactions λ (m,) of contact points under a load.
 
-    Each array of ``pieces`` (m,) prescribes the piece of each point's law: the answer's distance from it counts as
-    complementarity. Two answers on the same pieces certify all linear combinations between them. ``beside`` are the
-    loads whose sum this load is: where they cancel, their rounding is tolerated.
+    Each array of ``pieces`` (m,) prescribes the piece of each point's law: the distance of the answer from this piece
+    counts as complementarity error. If two answers are certified on the same pieces, all linear combinations between
+    them are certified. ``beside`` are the loads whose sum is ``load``: where they cancel, their rounding is tolerated.
     """
     sets = [set_of_pieces[None] for set_of_pieces in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
@@ -148,7 +154,7 @@ def certify_each(
 ) -> list[Certificate]:
     """Certify k answers to k loads; all arrays have an additional first dimension k, see `certify`.
 
-    ``imbalance`` (k, 3n) is F − Ku of plate and springs, if known.
+    ``imbalance`` (k, 3n), the residual F − Ku of plate and springs, is computed if it is None.
     """
     imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
     answers = _Answers(discretisation, loads, hi, lo, reaction, pieces, beside or [()] * len(loads), imbalance)
@@ -176,7 +182,7 @@ class _Answers:
     imbalance: Floats
 
     def penetration(self) -> Floats:
-        """Largest (Gu − Cλ − g)₊ over points and |u − ū| over held dofs, relative to `length` or `slope`."""
+        """Largest (Gu − Cλ − g)₊ over contact points and |u − ū| over held dofs, relative to `length` or `slope`."""
         held = self.discretisation.held
         slip = np.where(held.dofs, self.hi + self.lo - held.values, 0.0).reshape(len(self.hi), -1, 3)
         return maximum(
@@ -186,11 +192,11 @@ class _Answers:
         )
 
     def tension(self) -> Floats:
-        """Largest distance of a reaction λ from the range of its law, relative to `reaction_size`."""
+        """Largest distance of a reaction λ from the range of forces of its point's law, relative to `reaction_size`."""
         return largest_magnitudes(self._off_laws[2])
 
     def complementarity(self) -> Floats:
-        """Largest min(λ, g + Cλ − Gu), relative to the sizes of both; also the distance from given pieces."""
+        """Largest min(λ, g + Cλ − Gu), relative to the sizes of both; also the distance from the prescribed pieces."""
         sizes = self._travels, self.reaction, self._lengths, self._units
         contacts = self.discretisation.contacts
         off = [self._off_laws[1], *(_off_pieces(contacts, pieces, *sizes) for pieces in self.pieces)]
@@ -206,12 +212,12 @@ class _Answers:
         return ratio(self._resultants[0], self.resultant_size)
 
     def lost(self, row: int) -> float:
-        """``Certificate.lost`` of answer number ``row``."""
+        """``Certificate.lost`` (see there) of the answer with index ``row``."""
         discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
         if load.all_weighs or not load.weighing.any():
             return 0.0
         (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], supports[None])
-        # Loads that cancel have the rounding of their parts.
+        # If loads cancel in their sum, the sum has the rounding of the single loads.
         of_parts = sum(float(reaching(discretisation, part.weighing)) for part in self.beside[row])
         of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
         holding, pull, reaction = self.holding[row], self.pull[row], self.reaction[row]
@@ -230,11 +236,12 @@ class _Answers:
         resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
         rows = (np.concatenate(blocks) * arm[:, None])[acting]
         least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
-        # At least half of the load per acting force of a support: nodal forces of a pressure have both signs.
+        # The reference force is at least half of the load per acting support force: nodal forces of a pressure have
+        # both signs.
         return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
     def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
-        """Certificate of answer number ``row``; errors above the tolerance are compared with their rounding."""
+        """Certificate of the answer with index ``row``; errors above the tolerance are compared with their rounding."""
         worst = max(figures[name] for name in LIMITED)
         if worst <= TOLERANCE or not np.isfinite(worst):
             return Certificate(**figures, lost=lost)
@@ -243,16 +250,17 @@ class _Answers:
         sizes = self.force_size[row], self.reaction_size[row], self.resultant_size[row]
         force, reaction, resultant = map(float, sizes)
         epsilon = _ROUNDINGS * float(np.finfo(float).eps)
-        # Roundings of dofs add up as in a random walk; held dofs contribute to the resultants too.
+        # Rounding errors of dofs add up as in a random walk. Held dofs contribute to the resultants too.
         random_walk = np.sqrt(discretisation.dof_count)
         at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
         of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
-        # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
+        # With settlements, loads may be zero: forces that bend the plate, and support forces, count as acting forces
+        # too.
         deflection = float(np.abs(bending_part(discretisation, self.hi[row][None, ::3])).max())
         bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
         bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
         pushing = float(maximum(resultant, reaching(discretisation, push_magnitudes(*answer))))
-        # A reaction that only balances rounding may have either sign.
+        # A reaction within rounding of zero may have either sign.
         limits = {
             "tension": (random_walk * at_nodes, reaction, reaction),
             "equilibrium": (at_nodes, force, bending),
@@ -268,12 +276,12 @@ class _Answers:
 
     @cached_property
     def nodal(self) -> Floats:
-        """Loads F (k, 3n)."""
+        """Nodal loads F (k, 3n) of the k answers."""
         return np.array([load.nodal for load in self.loads])
 
     @cached_property
     def pushes(self) -> Floats:
-        """Gᵀλ (k, 3n)."""
+        """Nodal forces Gᵀλ (k, 3n) of the contact points' reactions."""
         return np.asarray((self.discretisation.contact_rows.T @ self.reaction.T).T)
 
     @cached_property
@@ -283,31 +291,31 @@ class _Answers:
 
     @cached_property
     def pull(self) -> Floats:
-        """Upward forces (k, s) of springs."""
+        """Upward forces (k, s) of the s springs."""
         return self.discretisation.spring_forces(self.hi, self.lo)
 
     @cached_property
     def support_forces(self) -> Floats:
-        """Nodal forces (k, 3n) of all supports, positive against the loads."""
+        """Nodal forces (k, 3n) of all supports, positive if opposite to the loads."""
         return np.asarray(self.holding + (self.discretisation.spring_rows.T @ self.pull.T).T + self.pushes)
 
     @cached_property
     def unloaded(self) -> Bools:
-        """Whether loads (k,) are zero, so that only settlements and preloads act."""
+        """Whether the nodal load (k,) of each answer is zero, so that only settlements and preloads act."""
         return np.asarray(~self.nodal.any(axis=1))
 
     @cached_property
     def travel(self) -> Floats:
-        """Least reference travel (m,) of each point, for the rounding of its distance g.
+        """Least reference travel (m,) of each contact point, which tolerates the rounding of its distance g.
 
-        It is per point: a distant stop must not excuse errors at other points.
+        Each point has its own reference: a distant stop must not excuse errors at other points.
         """
         contacts = self.discretisation.contacts
         return _UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
 
     @cached_property
     def length(self) -> Floats:
-        """Reference deflection (k,): the largest one, at least for the rounding of loads, slopes and settlements."""
+        """Reference deflection (k,): the largest, at least that from rounding of loads, slopes and settlements."""
         held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
         size = self.discretisation.mesh.size
         prescribed = max(
@@ -325,20 +333,23 @@ class _Answers:
 
     @cached_property
     def slope(self) -> Floats:
-        """Reference slope (k,): the largest slope, at least `length` over the plate's size."""
+        """Reference slope (k,): the largest slope, or `length` over the plate's size if larger."""
         slopes = self.hi.reshape(len(self.hi), -1, 3)[:, :, 1:]
         return maximum(largest_magnitudes(slopes), self.length / self.discretisation.mesh.size)
 
     @cached_property
     def element_size(self) -> float:
-        """Root of the mean area of elements."""
+        """Square root of the mean element area."""
         return float(np.sqrt(self.discretisation.mesh.element_area.mean()))
 
     @cached_property
     def least_force(self) -> Floats:
-        """Least reference force (k,): preloads, and rounding of bending by the deflection or of loads that cancel.
+        """Lower bound (k,) of the reference force, so that rounding does not count as an error.
 
-        Without loads also the rounding of shear by the deflection or the travel.
+        It is the largest of three forces: the largest preload; `_UNSEEN` D w / a², the rounding of the force that bends
+        the plate, with w the deflection without rigid motion and a the plate's size; `_CANCELLED` times the magnitude
+        of the loads whose sum is this load. If the load is zero, w is `length`, and the bound is also at least E h
+        times the rounding of `length`, and E h times the largest `travel`.
         """
         discretisation, size = self.discretisation, self.discretisation.mesh.size
         part = np.minimum(np.abs(bending_part(discretisation, self.hi[:, ::3])), self.length[:, None])
@@ -352,14 +363,14 @@ class _Answers:
 
     @cached_property
     def force_size(self) -> Floats:
-        """Reference nodal force (k,): the largest load, without loads the largest force of a support."""
+        """Reference nodal force (k,): the largest load, or without loads the largest force of a support."""
         by_load = by_force(self.nodal, self.element_size)
         by_supports = maximum(by_force(self.holding, self.element_size), self._largest_reaction)
         return maximum(np.where(by_load != 0.0, by_load, by_supports), self.least_force)
 
     @cached_property
     def reaction_size(self) -> Floats:
-        """Reference reaction (k,): the largest reaction, at least `force_size`."""
+        """Reference reaction (k,): the largest reaction, or `force_size` if larger."""
         return maximum(self.force_size, self._largest_reaction)
 
     @cached_property
@@ -368,7 +379,7 @@ class _Answers:
         return maximum(self._resultants[1], self.least_force)
 
     def _of_parts(self, size: Callable[[Discretisation, Floats], Floats]) -> Floats:
-        """Sum (k,) of ``size(discretisation, nodal)`` over the parts ``beside`` of each load."""
+        """Sum (k,) of ``size(discretisation, nodal)`` over the loads ``beside`` that add up to each load."""
         sizes = [sum(float(size(self.discretisation, part.nodal)) for part in parts) for parts in self.beside]
         return np.array(sizes)
 
@@ -383,21 +394,21 @@ class _Answers:
 
     @cached_property
     def _travels(self) -> Floats:
-        """Travels Gu − g (k, m) of points."""
+        """Travels Gu − g (k, m) of the contact points."""
         rows, distance = self.discretisation.contacts.rows.arrays, self.discretisation.contacts.distance
         answers = zip(self.hi, self.lo, strict=True)
         return -np.array([self.discretisation.plate.openings(*rows, distance, high, low) for high, low in answers])
 
     @cached_property
     def _lengths(self) -> Floats:
-        """Reference travel (k, m) of each point, by `length` or `slope`; 1 where `length` is 0."""
+        """Reference travel (k, m) of each point: the reference deflection or slope; 1 where `length` is 0."""
         at_points = np.maximum(self.travel, self.length[:, None])
         lengths = np.where(self.discretisation.contacts.slope, self.slope[:, None], at_points)
         return np.asarray(lengths + (self.length[:, None] == 0.0))
 
     @cached_property
     def _units(self) -> Floats:
-        """Reference reaction (k, m) of each point: `reaction_size`, for couples times the plate's size; 1 for 0."""
+        """Reference reaction (k, m): `reaction_size`, 1 if that is 0; for couples times the plate size."""
         size = self.reaction_size
         unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
         return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])
@@ -409,7 +420,7 @@ class _Answers:
 
 
 def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
-    """F − Ku (k, 3n) of plate and springs at displacements u = hi + lo (k, 3n)."""
+    """Residual F − Ku (k, 3n) of plate and springs, without contact points, at displacements u = hi + lo (k, 3n)."""
     springs = discretisation.springs.arrays
     answers = zip(loads, hi, lo, strict=True)
     return np.array([discretisation.plate.residual(springs, load.nodal, high, low) for load, high, low in answers])
@@ -418,7 +429,10 @@ def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Fl
 def certified(
     discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
-    """Certify an answer; if that fails, certify the fallback. Return the one that passes, or else the last."""
+    """Certify an answer; if this fails, certify its fallback `Answer.in_turn`.
+
+    Return the answer that passes, else the last answer tried, with its certificate.
+    """
     for candidate in answer.in_turn:
         certificate = certify(discretisation, load, candidate.hi, candidate.lo, candidate.reaction, beside=beside)
         if certificate.passed:
@@ -434,10 +448,11 @@ def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
 def off_laws(
     contacts: ContactPoints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Distances (k, m) of points from their laws: penetration, gap, and force out of range.
+    """Distances (k, m) of points from their laws: penetration, gap, and force outside the law's range.
 
-    Penetration and gap are travels relative to ``lengths`` (k, m). On a piece of slope 0 they are forces relative to
-    ``sizes`` (k, m), if these are less. For a straight law the larger of both is the penetration, and the gap is 0.
+    Penetration and gap are travels relative to ``lengths`` (k, m). Near a piece of slope 0 they are the distance in
+    force relative to ``sizes`` (k, m), if this is less. For a straight law the larger of both is the penetration, and
+    the gap is 0.
     """
     result = np.zeros((3, *travels.shape))
     for law, points in contacts.by_law:
@@ -459,7 +474,7 @@ def off_laws(
 def _off_pieces(
     contacts: ContactPoints, pieces: Ints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> Floats:
-    """Relative distances (k, m) of points from the lines through given pieces of their laws; 0 for straight laws."""
+    """Relative distances (k, m) of points from the lines through ``pieces`` of their laws; 0 for straight laws."""
     result = np.zeros(travels.shape)
     for number, law in enumerate(contacts.laws):
         if law.straight or not (of_law := contacts.law == number).any():
@@ -477,7 +492,7 @@ def _off_pieces(
 
 
 def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
-    """Upward force (s,) of every support; the force of a shared node is that of its first support."""
+    """Upward force (s,) of every support; a node held by several supports counts for the first of them."""
     contacts, count = discretisation.contacts, len(discretisation.model.support)
     forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
     at_nodes = discretisation.held.dofs[::3]
@@ -491,9 +506,9 @@ def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reac
 def forces_at_nodes(
     discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, dofs: Bools | None = None
 ) -> tuple[float, float]:
-    """Largest sum of magnitudes of internal forces at a dof, and the same of forces of supports.
+    """Largest sum over elements of |internal force| at a dof, and largest sum over supports of |support force|.
 
-    Only ``dofs`` (3n,) count, by default the free ones. An imbalance within the rounding of these sums is not
+    Only ``dofs`` (3n,) count, by default the free dofs. An imbalance within the rounding of these sums is not
     significant.
     """
     dofs = ~discretisation.held.dofs if dofs is None else dofs
@@ -504,7 +519,7 @@ def forces_at_nodes(
 
 
 def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Sums (3n,) of magnitudes of forces of springs and contact points.
+    """Sum (3n,) at each dof of the magnitudes of the forces of springs and contact points.
 
     Nearly redundant supports push against each other with large forces, which are rounded to doubles.
     """
@@ -515,9 +530,9 @@ def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reac
 def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
     """Largest component (k,) of the resultants of ``nodal`` − ``against``, loads minus support forces (k, 3n).
 
-    The second array (k,) has the sums of magnitudes, of loads or of support forces, whichever is larger.
+    The second array (k,) is the sum of magnitudes of the loads, or of the support forces if larger.
     """
-    # einsum uses no threads, which would cost more than these sums.
+    # einsum uses no threads; starting threads would take longer than these sums.
     resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
     return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
 
@@ -528,13 +543,13 @@ def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
-    """Deflections (k, n) minus their least-squares rigid motion."""
+    """Deflections (k, n) minus their rigid part, the rigid motion nearest in least squares."""
     motions = discretisation.rigid_motions[::3]
     return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Deflection scale F a²/D (...,) of loads (..., 3n) with sums of magnitudes F on a plate of size a."""
+    """Reference deflection F a²/D (...,) of loads (..., 3n): F the sum of their magnitudes, a the plate's size."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = discretisation.mesh.size
     loads = (forces + sum(couples) / size) * size**2
@@ -542,27 +557,27 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
-    """Bending stiffness E h³/12 of a thickness h, without the factor 1/(1 − ν²)."""
+    """Bending stiffness E h³/12 of a plate of thickness h, without the factor 1/(1 − ν²)."""
     return discretisation.model.young * float(thickness) ** 3 / 12
 
 
 def by_force(nodal: Floats, element_size: float) -> Floats:
-    """Largest magnitude (k,) of nodal forces (k, 3n); couples are divided by the element size."""
+    """Largest magnitude (k,) of nodal forces and couples (k, 3n); couples are divided by the element size."""
     return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, element_size, element_size])
 
 
 def largest_magnitudes(values: Floats) -> Floats:
-    """Largest magnitudes (k,) of values (k, ...); NaN if there is a NaN."""
+    """Largest magnitude (k,) in each row of values (k, ...); NaN if the row contains a NaN."""
     return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
 def maximum(*sizes: Floats | float) -> Floats:
-    """Elementwise maximum; NaN if there is a NaN."""
+    """Elementwise maximum of several arrays; NaN where an array is NaN."""
     return np.asarray(functools.reduce(np.maximum, sizes))
 
 
 def ratio(error: Floats | float, size: Floats | float) -> Floats:
-    """Error over size, elementwise: 0/0 = 0, x/0 = ∞."""
+    """Elementwise quotient ``error``/``size``, with 0/0 = 0 and x/0 = ∞."""
     error, size = np.asarray(error), np.asarray(size)
     part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
     return np.asarray(np.where(error == 0.0, 0.0, part))

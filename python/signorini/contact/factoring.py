@@ -22,27 +22,29 @@ from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
 
 Method = Literal["lemke", "active_set", "saddle"]
-"""The methods; each has its own factor. "saddle" is the active set on the saddle-point system."""
+"""Names of the methods; each method has its own factor. "saddle" is the active set on the saddle-point system."""
 
 MOST_POINTS = 6000
 """Largest number of contact points for Lemke's algorithm: its dense matrices must fit into memory beside the factor."""
 
 _FEW = 300
-"""Largest number of elastic points for which Lemke's algorithm is faster."""
+"""Largest number of elastic contact points for which Lemke's algorithm is faster than the active set."""
 
 _FEW_IN_AREAS = 500
-"""Largest number of points of areas, rigid ones included, for which Lemke's algorithm is faster."""
+"""Largest number of contact points of areas, elastic or rigid, for which Lemke's algorithm is faster."""
 
 _FEW_RIGID = 3000
-"""Largest number of points in all for which Lemke's algorithm is faster; most are rigid, along lines."""
+"""Largest total number of contact points for which Lemke's algorithm is faster; most are rigid, along lines."""
 
 _CARRIED = 100.0
-"""Stiffness included in the factor at restraining points, relative to D/a²: about that of a plate under a point load.
+"""Stiffness added to the factor at contact points that restrain the plate, relative to D/a².
+
+It is about the stiffness of a plate under a point load.
 """
 
 
 def method_of(discretisation: Discretisation) -> Method:
-    """Return the method of the input, or for "auto" the faster one.
+    """Return the method that the input prescribes, or for "auto" the faster method.
 
     Without one-sided points the input's method is ignored: "lemke" then needs no pivot, and is taken for few points.
     """
@@ -59,9 +61,9 @@ def method_of(discretisation: Discretisation) -> Method:
 
 
 def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
-    """Whether a method's problem can be factored in the free memory and, for Lemke's, has few enough contact points."""
+    """Whether a method's problem fits into the free memory and, for "lemke", has few enough contact points."""
     if method != "lemke":
-        # In the saddle-point system every point is one more unknown, beside nine dofs per element.
+        # In the saddle-point system every contact point is an unknown; an element has nine dofs.
         more = len(discretisation.contacts) // 9 if method == "saddle" else 0
         return fits(needed(len(discretisation.mesh.elements) + more))
     points = len(discretisation.contacts)
@@ -69,7 +71,7 @@ def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Method) -> _core.ContactProblem:
-    """Order and factor a problem for a method; for Lemke's algorithm, also condense it."""
+    """Order and factor a problem for a method; for Lemke's algorithm, condense the plate as well."""
     if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":
@@ -90,7 +92,7 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
-    """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points included in the factor."""
+    """Order and factor for a method; ``carried`` (m,) is the stiffness of each contact point in the factor."""
     free = available()
     elements, rows, further = contacts.rows.arrays
     try:
@@ -131,11 +133,11 @@ def core_problem(
 
 
 def regularization(discretisation: Discretisation, freedom: RigidFreedom) -> Floats:
-    """Stiffness (m,) of contact points that is included in the factor.
+    """Stiffness (m,) of each contact point that is included in the factor.
 
-    It is their own stiffness at compliant points, except at points that are stiffer than the plate in shear or have
-    footprints. If held dofs and springs alone do not hold the plate firmly, some more points are included, about as
-    stiff as a plate under a point load.
+    Compliant points have their own stiffness, or 0 if they are stiffer than the plate in shear or have footprints. If
+    held dofs and springs alone do not restrain the plate's rigid motions firmly, some more points are included, about
+    as stiff as a plate under a point load.
     """
     contacts, thickness = discretisation.contacts, discretisation.thickness.max()
     shear = max(rigidity.in_shear for rigidity in discretisation.zones.rigidities) * thickness

@@ -1,4 +1,4 @@
-"""The linear complementarity problem of one load, and Lemke's algorithm on plain arrays."""
+"""The linear complementarity problem (LCP) of one load, and Lemke's algorithm on plain arrays."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class Lcp(NamedTuple):
     M : (k, k) array
     q : (k,) array
     points : (k,) array
-        Contact point of each row, a row of the problem's G.
+        Contact point of each row: index of a row of the problem's G.
     gap_is_z : (k,) array
         Rows in which z is the gap and w the reaction; in other rows z is the reaction and w the gap. In a row of a
-        limit or a law, w is the distance to the vertex, and z the distance beyond it.
+        limit or a law, w is the distance to the vertex of the law, and z the distance beyond the vertex.
     reaction_from, gap_from : (k, 3) arrays
         Coefficients a, b, c of each row; the reaction and the gap of a point are the sums of a + b z + c w of its rows.
     """
@@ -55,7 +55,7 @@ class Lcp(NamedTuple):
 
 
 def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts: ContactPoints) -> Lcp:
-    """Make an `Lcp` of M, q, the contact point of each row, and whether its w is a force, as the core returns them."""
+    """Make an `Lcp` from the core's arrays: M, q, contact point of each row, and whether w of a row is a force."""
     reaction, gap = np.zeros((2, len(q), 3))
     reaction[np.arange(len(q)), np.where(w_is_force, 2, 1)] = 1.0
     gap[np.arange(len(q)), np.where(w_is_force, 1, 2)] = 1.0
@@ -71,10 +71,11 @@ def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts:
 
 
 def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floats, Floats]:
-    """Coefficients a, b, c (v, 3) of a point's force, and of its travel: sums of a + b z + c w over v vertices.
+    """Coefficients a, b, c (v, 3) of a point's force and of its travel: sums of a + b z + c w over v vertices.
 
-    The base is the first piece with a slope; if the core's w do not fit this, the first one without. w is the distance
-    to a vertex, z the distance beyond it. The distance is a force on a piece with a slope, else a travel.
+    w is the distance to a vertex, z the distance beyond it: a force on a piece with a slope, else a travel. Distances
+    are counted from a base piece: the first piece with a slope or, if the core's ``w_is_force`` does not fit this, the
+    first piece without a slope.
     """
     holds, vertex = law.slopes > 0.0, np.arange(len(law.slopes) - 1)
     for on_holding in (True, False):
@@ -90,7 +91,7 @@ def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floa
     with np.errstate(divide="ignore"):
         compliance = unit / (scale * law.slopes)
     sign = np.where(upward, 1.0, -1.0)
-    # Travel and force along each piece per unit of w or z.
+    # Increments of travel and force along each piece per unit of w or z.
     along = np.array([np.where(holds, compliance, 1.0), holds])
     result = np.zeros((2, len(vertex), 3))
     result[:, :, 1] = sign * along[:, beyond]
@@ -127,7 +128,7 @@ def lemke(
         The covering vector d > 0 of w = M z + q + d z₀, in the units of w; ones by default.
     start : (m,) array_like of bool, optional
         Mask of basic z in the solution of a similar problem, `LcpSolution.basis`, at which the path begins. No pivot is
-        made if it is the solution.
+        made if this basis is the solution.
     max_pivots : int, optional
         Largest number of pivots; 50 (m + 100) by default.
 

@@ -1,4 +1,4 @@
-"""A contact problem with additional rows: linear bounds on displacements, in addition to the model's supports."""
+"""A contact problem with additional rows of G: linear bounds on displacements that are no supports of the model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError
 
 _REPEATED = 1e-10
-"""Zero tolerance for eigenvalues of P over two-sided rows, with the diagonal of P scaled to 1."""
+"""Zero tolerance for eigenvalues of P over two-sided rows, after scaling the diagonal of P to 1."""
 
 
 @checked
@@ -41,22 +41,22 @@ class RowProblem(Brief):
 
     @cached_property
     def G(self) -> csr_array:
-        """All rows (m + r, 3n); Gu ≤ gaps."""
+        """Rows (m + r, 3n) of the model's contact points, followed by the additional rows; Gu ≤ gaps."""
         return csr_array(vstack([self.problem.G, self.rows]))
 
     @property
     def gaps(self) -> Floats:
-        """Bounds (m + r,) of Gu."""
+        """Upper bounds (m + r,) of Gu, contact points first."""
         return np.concatenate([self.problem.gaps, self.row_gaps])
 
     @property
     def compliance(self) -> Floats:
-        """C (m + r,), the inverse stiffness of every row; 0 if rigid."""
+        """Diagonal (m + r,) of C, the inverse stiffness of every row; 0 for a rigid row."""
         return np.concatenate([self.problem.compliance, self.row_compliance])
 
     @property
     def two_sided(self) -> Bools:
-        """Whether rows (m + r,) are equations."""
+        """Whether each row (m + r,) is an equation, with a reaction of either sign."""
         return np.concatenate([self.problem.two_sided, self.row_two_sided])
 
     def dual(self, load: Floats) -> tuple[Floats, Floats]:
@@ -75,7 +75,7 @@ class RowProblem(Brief):
 
     @cached_property
     def _moved(self) -> Floats:
-        """K⁻¹ Gᵀ (3n, r) of the additional rows."""
+        """Displacements K⁻¹ Gᵀ (3n, r) per unit reaction of the additional rows."""
         columns = [self.problem.free(self.rows[[i]].toarray()[0], held=False) for i in range(self.rows.shape[0])]
         return np.column_stack(columns) if columns else np.zeros((self.rows.shape[1], 0))
 
@@ -127,15 +127,16 @@ def with_rows(
 ) -> RowProblem:
     """Add rows to those of a model's contact points: G u − C λ ≤ g, with reactions λ ≥ 0 that act as −Gᵀλ.
 
-    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives rows
-    of points. In results the reactions of additional rows count as loads.
+    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` returns rows
+    of the deflection or a slope at points. In results the reactions of additional rows count as loads.
 
     Parameters
     ----------
     problem : ContactProblem
-        Its K must be regular: held dofs, springs and two-sided points at nodes hold the plate without these rows.
+        The problem's K must be regular: held dofs, springs and two-sided points at nodes hold the plate without the
+        added rows.
     G : (r, 3n) array_like or sparse array
-        In the order and the nodal axes of dofs that `ContactProblem` documents.
+        Columns are dofs, in the order and the nodal axes that `ContactProblem` documents.
     gaps : (r,) array_like
         g, in the units of G u: lengths if G has deflections with coefficients of 1.
     two_sided : (r,) array_like of bool, optional

@@ -28,28 +28,29 @@ from signorini.model import Model
 
 _PARTS = ("w", "θx", "θy")
 _NO_PART = 1e-14
-"""Zero tolerance for coefficients of a row whose sum is 1: smaller ones are rounding of the location in the element."""
+"""Zero tolerance for coefficients of a row whose sum is 1: a location in an element is rounded by about this much."""
 Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
-"""Called with the number of a step, the number of contact points that it changed, and the relative residual. An
-exception in it ends the solution.
+"""Function called with the number of a step, the number of points that changed in it, and the relative residual.
+
+An exception in this function ends the solution.
 """
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
 _NOT_OUTLINE = {"thickness", "element", "shear_factor"}
-"""Keys of ``plate`` that may differ on the same mesh."""
+"""Keys of ``plate`` that may differ between models on the same mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
-"""Advice in messages: how to obtain a load with its nodal forces and curvatures."""
+"""Advice in messages on how to make a load that contains nodal forces and curvatures."""
 
 
 class Statement:
-    """The arrays of a discretised model, before anything is factored."""
+    """The arrays of a discretised model, without any factor."""
 
     discretisation: Discretisation
 
     @cached_property
     def K(self) -> csc_array:
-        """Stiffness (3n, 3n) of plate and springs over every dof, held ones included."""
+        """Stiffness (3n, 3n) of plate and springs over all dofs, including held dofs."""
         start, row, value = self.discretisation.plate.stiffness_matrix(self.discretisation.springs.arrays)
         size = self.discretisation.dof_count
         lower = csc_array((value, row, start), shape=(size, size))
@@ -58,32 +59,32 @@ class Statement:
 
     @property
     def G(self) -> csr_array:
-        """Contact points' rows (m, 3n); Gu ≤ gaps."""
+        """Rows (m, 3n) of the contact points; Gu ≤ gaps."""
         return self.discretisation.contact_rows
 
     @property
     def gaps(self) -> Floats:
-        """Bounds g (m,) of Gu: free travel of every contact point plus settlement of its base."""
+        """Bounds g (m,) of Gu: free travel of every contact point plus the settlement of its support's base."""
         return self.discretisation.contacts.distance
 
     @property
     def settlements(self) -> Floats:
-        """Settlement (m,) of each point's base in the direction of its row; `gaps` minus it is the free travel ≥ 0."""
+        """Settlement (m,) of each point's base along its row of G; `gaps` − settlement is the free travel ≥ 0."""
         return self.discretisation.contacts.settlement
 
     @property
     def two_sided(self) -> Bools:
-        """Contact points (m,) with a straight law, Gu − Cλ = gaps, whose reaction has either sign."""
+        """Whether each contact point (m,) has a straight law, Gu − Cλ = gaps, with a reaction of either sign."""
         return self.discretisation.contacts.two_sided
 
     @property
     def compliance(self) -> Floats:
-        """Inverse stiffness (m,) of every contact point's support; 0 where it is rigid."""
+        """Diagonal (m,) of C, the inverse stiffness of every contact point; 0 where the support is rigid."""
         return self.discretisation.contacts.compliance
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
-        """Least and largest reaction (m,) of every contact point; infinite where it has no limit."""
+        """Least and largest reaction (m,) of every contact point; infinite where the reaction is unlimited."""
         return self.discretisation.contacts.limits
 
     @property
@@ -98,7 +99,7 @@ class Statement:
 
     @property
     def held(self) -> Bools:
-        """Dofs (3n,) that supports hold at `held_values`."""
+        """Mask (3n,) of dofs that supports hold at `held_values`."""
         return self.discretisation.held.dofs
 
     @property
@@ -108,7 +109,7 @@ class Statement:
 
     @property
     def frames(self) -> Floats:
-        """Unit vectors (n, 2) of the first slope of every node; the second slope is a quarter turn from it.
+        """Unit vectors (n, 2) of each node's first slope; its second slope is a quarter turn from them.
 
         They are [1, 0], for the slopes θx and θy, except at nodes of oblique edges that hold one slope.
         """
@@ -118,12 +119,13 @@ class Statement:
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
         """Rows (q, 3n) that map displacements to the deflection, or a slope, at points (q, 2) of the plate.
 
-        Between nodes, rows of slopes of `mitc9` include its eliminated internal dofs, but not loads on them.
+        Between nodes, rows of slopes of `mitc9` include the element's eliminated internal dofs, but not loads on these
+        dofs.
 
         Raises
         ------
         InputError
-            If a point is not on the plate, or there is no such part.
+            If a point is not on the plate, or ``of`` is not one of the three names.
 
         Examples
         --------
@@ -156,7 +158,7 @@ class Statement:
         Raises
         ------
         InputError
-            If there is none of that name.
+            If there is no combination of this name.
         """
         result = {c.name: c for c in self.discretisation.model.effective_combinations}
         return self.discretisation.load(result[known(combination, result, "combination", "combination")]).nodal
@@ -173,10 +175,10 @@ class ContactProblem(Statement, Remade):
     work-conjugate: forces down on w, couples on slopes.
 
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
-    where it holds down; with travel in both directions the rows that push up are first. Their unknowns are reactions λ
-    and gaps ρ = `gaps` − Gu + `compliance`·λ. Without a limit, λ ≥ 0, ρ ≥ 0 and λρ = 0. With a limit, λ is also at most
-    the upper one of `limits`; where it equals this limit, ρ ≤ 0 is minus the yield travel. Two-sided points, marked by
-    `two_sided`, have ρ = 0 and λ of either sign.
+    where it holds down; with travel in both directions the rows that push up are first. The unknowns of contact points
+    are reactions λ and gaps ρ = `gaps` − Gu + `compliance`·λ. Without a limit, λ ≥ 0, ρ ≥ 0 and λρ = 0. With a limit, λ
+    is also at most the upper one of `limits`; where it equals this limit, ρ ≤ 0 is minus the yield travel. Two-sided
+    points, marked by `two_sided`, have ρ = 0 and λ of either sign.
 
     Examples
     --------
@@ -199,15 +201,18 @@ class ContactProblem(Statement, Remade):
     freedom: RigidFreedom
     method: Method
     reference: _core.ContactSolution | None = None
-    """Solution of another load, from whose contact set the active set starts; see `near`."""
+    """Solution of another load; the active set starts from the contact set of this solution, see `near`."""
     unmoved: ContactProblem | None = None
-    """The problem with other gaps whose factor this one uses; see `moved`."""
+    """The problem with other gaps g whose factor this problem uses; see `moved`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
-    """Factored problems made up to now, by method. The factor of "dual" includes no contact point, see `_bare`."""
+    """The core's factored problems by method, as far as they have been needed.
+
+    The factor of "dual" includes no contact point, see `_bare`.
+    """
 
     _made = MappingProxyType(
         {
-            # Not pickled: a start saves an active set some steps and changes no answer.
+            # ``reference`` is not pickled: it only saves the active set some steps and changes no answer.
             "reference": lambda problem: None,
             "_cores": lambda problem: {},
         }
@@ -215,7 +220,7 @@ class ContactProblem(Statement, Remade):
 
     @property
     def core(self) -> _core.ContactProblem:
-        """The core's problem, factored for the method when first needed."""
+        """The core's problem for the method, factored on first access."""
         method, result = self.method, self.discretisation
         if method not in self._cores:
             self._cores[method] = (
@@ -226,17 +231,17 @@ class ContactProblem(Statement, Remade):
         return self._cores[method]
 
     def without_factor(self) -> ContactProblem:
-        """The same problem without its factor, which is computed again when first needed."""
+        """Copy without the factor, which is computed again on first access."""
         unmoved = None if self.unmoved is None else self.unmoved.without_factor()
         return replace(self, reference=None, unmoved=unmoved, _cores={})
 
     def moved(self, discretisation: Discretisation) -> ContactProblem:
-        """Pose the problem of a discretisation that differs only in the distances g of its contact points."""
+        """Pose the problem of a discretisation in which only the distances g of the contact points differ."""
         return replace(self, discretisation=discretisation, reference=None, unmoved=self, _cores={})
 
     @property
     def is_factored(self) -> bool:
-        """Whether the factor for the method is already computed."""
+        """Whether the factor for this problem's method is already computed."""
         return self.method in self._cores or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
@@ -252,7 +257,8 @@ class ContactProblem(Statement, Remade):
         InputError
             If the load is not 3n finite numbers, or there is no such form.
         SignoriniError
-            If there is no "stiffness" form: rigid points repeat each other, and no reactions belong to some gaps.
+            If there is no "stiffness" form: rows of rigid points are linearly dependent, so that some gaps belong to no
+            reactions.
 
         Examples
         --------
@@ -289,7 +295,7 @@ class ContactProblem(Statement, Remade):
 
     @cached_property
     def better_form(self) -> Literal["dual", "stiffness"]:
-        """The better conditioned form of the LCP: "stiffness" where every contact point is at a node of its own."""
+        """The better conditioned form of the LCP: "stiffness" if each contact point is at its own node, else "dual"."""
         rows = self.G
         free = ~self.discretisation.held.dofs[rows.indices] & (rows.data != 0.0)
         if np.count_nonzero(free) != len(self.gaps):
@@ -302,11 +308,11 @@ class ContactProblem(Statement, Remade):
         """P (m, m) and s (m,) of the paper's (26) and (27), over every row of ``G``: gap = P·reaction − s.
 
         P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, with K of the plate, held dofs and springs, without contact points; C is
-        `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the displacement under the load with these
-        values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and −s are
-        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the compliance C of
-        a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)``
-        may exceed the limit. `lcp` has a row for each vertex of such a law.
+        `compliance` on the diagonal. Where held dofs have prescribed values, K⁻¹ f is the displacement under the load
+        with these values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and
+        −s are therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the
+        compliance C of a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of
+        ``lemke(P, -s)`` may exceed the limit. `lcp` has a row for each vertex of such a law.
 
         Raises
         ------
@@ -349,9 +355,10 @@ class ContactProblem(Statement, Remade):
 
     @property
     def _bare(self) -> _core.ContactProblem:
-        """The core's problem for `dual`: all points are one-sided, and the factor includes no point's stiffness.
+        """The core's problem for `dual`: all points count as one-sided, and the factor includes no point's stiffness.
 
-        Subtracting stiffnesses from the solver's factor would lose the digits by which they exceed the plate's.
+        Subtracting stiffnesses from the solver's factor would lose the digits by which they exceed the plate's
+        stiffness.
         """
         result, points = self.discretisation, self.discretisation.contacts
         pushing = all(law.only_pushes for law, _ in points.by_law)
@@ -367,11 +374,11 @@ class ContactProblem(Statement, Remade):
 
     @property
     def condensed(self) -> ContactProblem:
-        """The same problem for Lemke's algorithm: every point is condensed, for the LCP."""
+        """The same problem for Lemke's algorithm, with the plate condensed onto all contact points."""
         return self.by("lemke")
 
     def by(self, method: Method) -> ContactProblem:
-        """Pose the same problem for another method; it is factored once, when first needed."""
+        """Pose the same problem for another method; its factor is computed on first access and kept."""
         known(method, _METHODS, "method", "method", "A contact problem")
         return self if method == self.method else replace(self, method=method, reference=None)
 
@@ -379,13 +386,13 @@ class ContactProblem(Statement, Remade):
         """Pose another model on the same mesh, for a sweep over gaps, stiffnesses, supports, thickness or loads.
 
         Dofs and the order of all arrays stay, even if the other model alone would be meshed along other lines. The
-        contact points stay if the supports stay in place. P is the same for all loads, gaps and settlements of contact
-        points. These change s only, which decreases by the increase of `gaps`.
+        contact points stay if the supports stay in place. Loads, gaps and settlements of contact points do not change
+        P. They change s, which decreases by the increase of `gaps`.
 
         Raises
         ------
         InputError
-            If the other model's plate has another outline, or as `contact_problem`.
+            If the other model's plate has another outline, or for the reasons given in `contact_problem`.
 
         Examples
         --------
@@ -422,10 +429,10 @@ class ContactProblem(Statement, Remade):
         return contact_problem(discretise(model, self.mesh))
 
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
-        """Pose the same problem for loads similar to a nodal load (3n,), from whose contact set the active set starts.
+        """Pose the same problem for loads similar to ``load`` (3n,), from whose contact set the active set starts.
 
-        The solution of that load is computed here. The start does not change any answer. It has no effect on other
-        methods, if that load has no solution, or with ``resists = "both"``. ``progress`` as for `solve`.
+        ``load`` is solved here. The start does not change any answer. The start has no effect on other methods, if
+        ``load`` has no solution, or with ``resists = "both"``. ``progress`` is as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
@@ -435,9 +442,9 @@ class ContactProblem(Statement, Remade):
     def solve(
         self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, start: Answer | None = None
     ) -> Answer:
-        """Solve one load; of several answers that are equally right, return the one of least norm.
+        """Solve one load; among several answers that satisfy all conditions, return the one of least norm.
 
-        ``form`` is the form of the LCP, ignored by methods without one. ``progress`` is called after every step of an
+        ``form`` is the form of the LCP; methods without an LCP ignore it. ``progress`` is called after every step of an
         active set, and now and then by other methods. ``start`` is the answer to another load of this problem, from
         whose contact set the method begins.
         """
@@ -459,7 +466,7 @@ class ContactProblem(Statement, Remade):
 
     @property
     def seconds(self) -> Mapping[str, float]:
-        """Seconds spent to order, factor and condense."""
+        """Seconds spent on ordering, factorization and condensation, by name."""
         order, factor, condense = self.core.seconds
         return {"order": order, "factor": factor, "condense": condense}
 
@@ -473,14 +480,14 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     InputError
         If the plate is a mechanism, has more contact points than can be condensed, or cannot be factored.
     SignoriniError
-        If it does not fit into memory.
+        If the problem does not fit into memory.
     """
     problem = unfactored(model if isinstance(model, Discretisation) else discretise(model))
     return replace(problem, _cores={problem.method: factored(problem.discretisation, problem.freedom, problem.method)})
 
 
 def unfactored(discretisation: Discretisation) -> ContactProblem:
-    """Pose a problem that is factored when something first needs it."""
+    """Pose a problem whose factor is computed on first access."""
     return ContactProblem(discretisation, rigid_freedom(discretisation), method_of(discretisation), _cores={})
 
 

@@ -1,10 +1,12 @@
-"""The answer to a contact problem and, among equally right answers, the one of least norm.
+"""The answer to a contact problem and, among several solutions, the one of least norm.
 
 The solutions of a contact problem are a convex set: any displacement of one solution and the reactions of another make
-a solution. So both are chosen independently, by rules without any order of supports, points or pivots: reactions by
-their least weighted sum of squares and, if the plate can move between its supports, the deflection by its least ∫ w².
-docs/theory.md, section 5, has the weights. Each is a small least-squares problem with inequalities, solved as a
-least-distance problem (Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23).
+a solution. So displacements and reactions are chosen independently, by rules without any order of supports, points or
+pivots: reactions by their least weighted sum of squares and, if the plate can move between its supports, the deflection
+by its least ∫ w². docs/theory.md, section 5, has the weights.
+
+Each choice is a small least-squares problem with inequalities, solved as a least-distance problem (Lawson and Hanson
+1974, *Solving Least Squares Problems*, chapter 23).
 """
 
 from __future__ import annotations
@@ -27,39 +29,46 @@ from signorini.discretise.rows import Bools, Floats, Pieces, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _AGAINST_EACH_OTHER = 1e6
-"""Largest ratio of the solver's largest reaction to the least-norm one: ten of sixteen digits remain in their sum."""
+"""Largest ratio of the solver's largest reaction to the least-norm one at which the solver's answer is a fallback.
+
+Ten of sixteen digits remain in the sum of such reactions.
+"""
 _ACTIVE = 1e-10
-"""Zero tolerance for multipliers, relative to the largest."""
+"""Zero tolerance for multipliers of inequalities, relative to the largest multiplier."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
-"""Rounding of the unconstrained minimum, relative to the sum of the magnitudes of its terms."""
+"""Rounding of each C_i·y of the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
 _NIL = 1e-11
-"""Zero tolerance for forces and deflections, relative to the largest."""
+"""Zero tolerance for forces and deflections, relative to the largest force or deflection."""
 _HARDLY = 1e-6
-"""Least reference deflection for touching points, relative to Σ|λ| a²/D."""
+"""Least reference deflection in the test whether points touch, relative to Σ|λ| a²/D."""
 _STILL = 1e-12
-"""Rank tolerance for displacements of pushing points in rigid motions: points on a line leave the rotation about it."""
+"""Rank tolerance for displacements of pushing points in rigid motions.
+
+Points on one line leave the rotation about this line free.
+"""
 _MOVED = 1e-9
-"""Smallest component of a unit vector that counts as nonzero."""
+"""Smallest magnitude at which a component of a unit vector counts as nonzero."""
 _DOUBTFUL = 1e-9
-"""Zero tolerance of `doubtful`, wider than `_NIL`: a wrong "doubtful" only means that a combination is solved
-separately.
+"""Zero tolerance of `doubtful`, wider than `_NIL`.
+
+A combination that is wrongly marked as doubtful is only solved separately.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 
 @dataclass(frozen=True)
 class NotUnique:
-    """A freedom of the answer that load and supports leave; the answer shown is the one of least norm.
+    """A freedom that load and supports leave to the solution; the answer with the least norm is shown.
 
     Parameters
     ----------
     what : str
-        "reactions": rigid supports that repeat each other may share their forces in more ways than one. "deflection":
+        "reactions": rigid supports with linearly dependent rows can share their forces in several ways. "deflection":
         the plate may move as a rigid body between its supports.
     supports : tuple of str
-        Supports that share the forces; none of a deflection.
+        Names of the supports that share the forces; empty for "deflection".
     motion : str
-        How the plate may move, in words; empty of reactions.
+        How the plate may move, in words; empty for "reactions".
     """
 
     what: Literal["reactions", "deflection"]
@@ -68,13 +77,13 @@ class NotUnique:
 
     @property
     def otherwise(self) -> str:
-        """Text on the alternative answers."""
+        """Text on the other solutions, for messages."""
         if self.what == "reactions":
             return f"reactions of {', '.join(self.supports)} could be shared otherwise"
         return f"the plate could rest elsewhere, {self.motion}"
 
     def __str__(self) -> str:
-        """Describe the freedom in a line."""
+        """Describe in one line which reactions or deflections are not unique."""
         shown = "the least are shown" if self.what == "reactions" else "the least deflection is shown"
         return f"{self.otherwise}; {shown}"
 
@@ -84,11 +93,11 @@ class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
     Displacements are ``hi + lo`` (3n,), the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,)
-    are those of every contact point; ``piece`` is the piece of its law. The gap of a yielding point is minus its yield
-    travel. The reaction of a two-sided point includes those of points that repeat it. ``shared`` (m + r,) are the
-    reactions of all contact points and r repeated points, separately. ``not_unique`` is empty if the answer is unique.
-    ``somehow`` is the solver's answer if another one was chosen. ``solution`` is the core's, a start for other loads of
-    the same problem; it is not pickled.
+    belong to the contact points; ``piece`` is the number of the piece of the point's law. The gap of a yielding point
+    is minus its yield travel. The reaction of a two-sided point includes the reactions of redundant points whose rows
+    depend on it. ``shared`` (m + r,) are the separate reactions of m contact points and r redundant points.
+    ``not_unique`` is empty if the answer is unique. ``somehow`` is the solver's answer if another one was chosen.
+    ``solution`` is the core's solution, a start for other loads of the same problem; it is not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -111,7 +120,7 @@ class Answer(Remade):
     _made = MappingProxyType({"solution": lambda answer: None})
 
     def on(self, plate: OfWhole) -> Self:
-        """The part of the answer on one of several plates."""
+        """The part of the answer that belongs to one of several plates."""
         mine, points = plate.points[: len(plate.own.contacts)], plate.points
         own = {key: getattr(self, key)[mine] for key in ("reaction", "gap", "closed", "piece")}
         own |= {"hi": self.hi[plate.dofs], "lo": self.lo[plate.dofs], "shared": self.shared[points]}
@@ -119,7 +128,7 @@ class Answer(Remade):
 
     @property
     def in_turn(self) -> tuple[Self, ...]:
-        """The answer itself, then the solver's answer as a fallback.
+        """The answer itself, followed by the solver's answer `somehow` as a fallback.
 
         There is no fallback if supports push against each other so strongly in the solver's answer that the sum of
         reactions has lost the digits of the load.
@@ -133,7 +142,7 @@ class Answer(Remade):
 
     @classmethod
     def of(cls, discretisation: Discretisation, solution: _core.ContactSolution) -> Self:
-        """Answer of a solution of the core, without a choice among several."""
+        """Convert a solution of the core to an answer, without a choice among several solutions."""
         reaction, yields = solution.reaction, discretisation.contacts.yield_on(solution.piece)
         return cls(
             status=solution.status,
@@ -160,10 +169,10 @@ def chosen(
     answer: Answer,
     elsewhere: Elsewhere | None = None,
 ) -> Answer:
-    """Return the least-norm answer to a nodal load (3n,) among the equally right ones, and record the freedom.
+    """Return the least-norm answer to a nodal load (3n,) among all solutions, and record the freedom as `NotUnique`.
 
-    ``elsewhere`` is called if the plate can move. On a load path it returns the reactions (m,) just before and after
-    this load: points that push there hold the plate here too, so that the path has no jump.
+    ``elsewhere`` is called if the plate can move. On a load path it returns the reactions (m,) just before and just
+    after this load: points with such reactions hold the plate under this load too, so that the path has no jump.
     """
     if answer.status != "solved":
         return answer
@@ -174,12 +183,12 @@ def chosen(
 
 
 def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Floats, gap: Floats) -> Bools:
-    """Mask (k,) of the combinations that may have several answers, given their reactions and gaps (k, m)."""
+    """Mask (k,) of the combinations that may have several solutions; reactions and gaps are (k, m)."""
     if len(discretisation.repeated):
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # If every point is closed, gaps are rounding relative to the bending by the reactions.
+        # If every point is closed, gaps are rounding; the reference is the bending by the reactions.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
@@ -189,13 +198,13 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
-        # The eigenvalues are squares of displacements: hence the higher power.
+        # The eigenvalues are squares of displacements; hence the higher power of the tolerance.
         several |= values[:, 0] <= _DOUBTFUL**1.5 * values[:, -1]
     return several
 
 
 def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer: Answer) -> Answer:
-    """Redistribute reactions among points that share them, to the least weighted sum of squares."""
+    """Replace reactions of points with linearly dependent rows by those with the least weighted sum of squares."""
     points, count = discretisation.points, len(answer.reaction)
     together: list[Iterable[int]] = list(discretisation.held_together)
     reaction, closed, piece = answer.shared.copy(), answer.closed.copy(), answer.piece.copy()
@@ -247,18 +256,18 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
 
 
 def _holding(contacts: ContactPoints, reaction: Floats, nothing: Floats | float) -> Bools:
-    """Mask (..., m) of one-sided points that neither open nor yield, so that motions change their forces."""
+    """Mask (..., m) of one-sided points that neither open nor yield, so that rigid motions change their forces."""
     return np.asarray(~contacts.two_sided & ~contacts.flat_on(contacts.pieces_at(reaction, nothing)))
 
 
 def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
-    """Order of magnitude (...,) of the deflections that reactions (..., m) cause: Σ|λ| a²/D."""
+    """Order of magnitude Σ|λ| a²/D (...,) of the deflections that reactions λ (..., m) cause."""
     rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12 / discretisation.mesh.size**2
     return np.asarray(np.abs(reaction).sum(axis=-1) / rigidity)
 
 
 def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
-    """Unite sets with common elements; sort the unions by their least element."""
+    """Unite sets with common elements; return the unions, sorted by their least element."""
     out: list[set[int]] = []
     for one in map(set, sets):
         common = [other for other in out if other & one]
@@ -267,9 +276,9 @@ def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
 
 
 def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> float:
-    """Largest nodal load or reaction; without load also the force that bends the plate by its deflection.
+    """Reference force: the largest nodal load or reaction; couples are divided by the plate's size.
 
-    Couples are divided by the plate's size.
+    Without load it is also at least the force that would bend the plate by its largest deflection.
     """
     size = discretisation.mesh.size
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
@@ -285,7 +294,7 @@ def _with_least_deflection(
 ) -> Answer:
     contacts, nothing = discretisation.contacts, _NIL * _force(discretisation, nodal, answer)
     pushing = _holding(contacts, answer.reaction, nothing)
-    # Under a load without resultant, internal forces leave larger rounding in the stops.
+    # If the load has no resultant, the reactions are rounding of the internal forces, which may exceed the tolerance.
     rounding = np.finfo(float).eps * discretisation.plate.internal_magnitude(
         discretisation.held.dofs, answer.hi, answer.lo
     )
@@ -295,13 +304,13 @@ def _with_least_deflection(
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            # At the start of a path without load all reactions are rounding.
+            # At the start of a path, at zero load, all reactions are rounding.
             pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
         return answer
     idle = ~contacts.two_sided & ~pushing
-    # Reactions within rounding of zero are zero; those within rounding of a limit yield.
+    # A reaction within rounding of 0 is set to 0; a reaction within rounding of its limit is set to the limit.
     flat = contacts.forces_on(contacts.pieces_at(answer.reaction, nothing))
     settled = np.where(idle, flat, answer.reaction)
     over = area_quadrature(discretisation.mesh)
@@ -312,7 +321,7 @@ def _with_least_deflection(
     both_ways = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
 
     def bounds(hi: Floats, lo: Floats) -> tuple[Floats, Floats, Floats]:
-        """Travels (m,) of points; sides C and room r of the motions y that idle points allow, C y ≤ r."""
+        """Travels (m,) of all points; C and r of the constraints C y ≤ r of points without force on rigid motions y."""
         travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
         rooms = [np.where(np.abs(one) > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)]
@@ -324,13 +333,14 @@ def _with_least_deflection(
     ways = free @ span_of_cone(sides[room <= 0.0])
     if not ways.shape[1]:
         return answer
-    # The first motion has the rounding of the deflections before it, the second one that of the least deflections.
+    # The second pass corrects rounding: the deflections before the first pass may be far larger than after it.
     for _ in range(2):
         deflection = (values * (hi + lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
         unit = float(np.abs(deflection).max()) or 1.0
         part = least(moves, root * deflection / unit, sides, room / unit)
         hi, lo = discretisation.moved(hi, lo, unit * (motions @ part) / discretisation.sizes)
-        # Where the solver left a free plate far off, the rounding of its motion moves pushing points too.
+        # If the solver left a free plate far from its supports, rounding of the motion also moves pushing points: move
+        # them back.
         travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing])[0]
         hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
@@ -368,7 +378,7 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
 
 
 def span_of_cone(sides: Floats) -> Floats:
-    """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d) with rows of similar length.
+    """Basis (d, e) of the span of the cone C y ≤ 0, where the rows of C (c, d) have similar lengths.
 
     Each step finds a direction in the cone with C_i y < 0 for some rows i, and drops these rows. The direction vanishes
     on the remaining rows, so that the next direction is independent of it. There are at most d steps.
@@ -385,7 +395,7 @@ def span_of_cone(sides: Floats) -> Floats:
 def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
     """The y (d,) with C y ≤ 0 and |y_i| ≤ 1 that minimises c·y, by cutting planes (Kelley 1960).
 
-    About d of the rows are active. The most violated row joins the kept rows until no row is violated.
+    About d rows of C are active. The most violated row is added to the rows in use until no row is violated.
     """
     kept: list[int] = []
     while True:
@@ -399,7 +409,7 @@ def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
-    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 if the solver fails."""
+    """For arguments A, b, C, r ≥ 0: the y with C y ≤ r that minimises ‖A y + b‖; 0 if the solver fails."""
     from scipy.optimize import nnls
 
     q, r = np.linalg.qr(matrix)
@@ -411,20 +421,20 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)
     beyond = (sides @ free - room)[kept] / size[kept]
-    # Scaled by the largest violation: beside a distant constraint violations could look like rounding.
+    # Scale by the largest violation: relative to a distant constraint, violations could look like rounding.
     unit = float(beyond.max())
     facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
     try:
         multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
     except RuntimeError:
         return np.zeros(len(r))
-    # Active constraints are solved again as equations, to full accuracy. The multiplier of an active one may be
-    # rounding: it is added when it is violated.
+    # Active constraints are solved again as equations, to full accuracy. The multiplier of an active constraint may be
+    # within rounding of 0; such a constraint is added when it is violated.
     on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
     for _ in kept:
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # y has the rounding of the unconstrained minimum, from which it is computed.
+        # y is computed from the unconstrained minimum, and has its rounding.
         rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():

@@ -1,4 +1,4 @@
-"""Try the methods for a load in turn until an answer is certified; messages if none is."""
+"""Try the methods for a load in turn until an answer is certified; write the message if no answer is certified."""
 
 from __future__ import annotations
 
@@ -19,20 +19,27 @@ from signorini.equilibrium.imbalance import supports_contradict
 from signorini.errors import point
 
 _MOST = 1e11
-"""Largest sum of operations of the fallback methods: one or two minutes. The certified random plate that took longest,
-with 3285 points, used 5e10."""
+"""Largest total number of operations of the fallback methods; they take one or two minutes.
+
+The certified random plate that took longest, with 3285 points, used 5e10.
+"""
 
 _A_FACTOR, _FILL = 6000.0, 1.2
-"""Operations of a factorization with n dofs: 6000 n^1.2. It takes 3.4 s for n = 58,563, and 0.5 s for n = 14,883."""
+"""Coefficient and exponent in the number of operations 6000 n^1.2 of a factorization with n dofs.
+
+A factorization takes 3.4 s for n = 58,563, and 0.5 s for n = 14,883.
+"""
 _A_SOLVE, _FACTORED = 1000.0, 0.125
-"""Operations per dof of a Newton step, which reads the factor a few times; and the share of steps with a new factor.
-Measured shares: 6 of 69, 22 of 150, and 197 of 732 in the longest run."""
+"""Operations per dof of a Newton step, which reads the factor a few times; and the fraction of steps with a new factor.
+
+Measured fractions: 6 of 69, 22 of 150, and 197 of 732 in the longest run.
+"""
 _PIVOTS = 64
 """Pivots of Lemke's algorithm between two calls of the callback; each pivot reads the tableau once."""
 
 
 _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle")
-"""Fallback methods in their order; a method prescribed by the input is only tried first."""
+"""Fallback methods in the order in which they are tried; a method prescribed by the input is tried before them."""
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
@@ -40,9 +47,9 @@ WORDS: dict[Method, str] = {
 }
 """Names of the methods in progress reports."""
 Told: TypeAlias = Callable[[str, int, int, float], object]
-"""Called with the name of the method, then the arguments of `Steps`; an exception in it ends the solve."""
+"""Function called with the name of the method, then the arguments of `Steps`; an exception in it ends the solve."""
 _PUSHING = 100.0
-"""Smallest ratio of Σ|reactions| to Σ|loads| that a message explains by supports that push against each other."""
+"""Least Σ|reactions|/Σ|loads| at which a message gives supports that push against each other as the reason."""
 _MARGINAL = (
     "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
     "other, or give the rigid ones a stiffness."
@@ -50,11 +57,11 @@ _MARGINAL = (
 
 
 class BudgetSpent(Exception):
-    """Raised out of a fallback method when the budget is spent."""
+    """Raised in the callback of a fallback method when the `Budget` is used up."""
 
 
 class Budget:
-    """Remaining operations of the fallback methods, given the numbers of dofs and contact points."""
+    """Number of operations left to the fallback methods; ``dofs`` and ``points`` give the cost of their steps."""
 
     def __init__(self, dofs: int, points: int) -> None:
         self._left = _MOST
@@ -65,7 +72,7 @@ class Budget:
         return self._a_step(method) <= self._left
 
     def watching(self, method: Method, progress: Steps | None) -> Steps:
-        """Callback that counts a method's steps, calls ``progress``, and ends the method with `BudgetSpent`."""
+        """Return a callback that counts a method's steps and calls ``progress``; it raises `BudgetSpent` at the end."""
         a_step = self._a_step(method)
 
         def watch(step: int, changing: int, residual: float) -> None:
@@ -86,21 +93,21 @@ class Budget:
 
 
 class Attempt(NamedTuple):
-    """A contact problem posed for a method, and the form of its LCP."""
+    """A contact problem posed for one method, and the form of the LCP to solve."""
 
     problem: ContactProblem
     form: Form = "auto"
 
     def solve(self, load: CaseLoad, progress: Steps | None = None, start: Answer | None = None) -> Answer:
-        """Solve a load; ``start`` is the answer of the same problem to another load."""
+        """Solve a load; ``start`` is an answer to another load of the same problem."""
         return self.problem.solve(load, self.form, progress, start)
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """The certified answer, its certificate and the methods tried; if none is certified, the first answer.
+    """The certified answer, its certificate and the methods tried; the first answer if no answer is certified.
 
-    ``contradiction``: the rigid supports contradict each other.
+    ``contradiction`` is True if the rigid supports contradict each other.
     """
 
     methods: tuple[Method, ...]
@@ -148,7 +155,7 @@ def answered(
 ) -> Tried:
     """Solve one load and certify the answer; after a failure try the other form and every other method.
 
-    Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
+    Fallback methods have a `Budget`. ``progress`` is called in all methods, and an exception in it ends the solve.
     ``beside`` are the loads whose sum this load is, see `certify`. The problem's own method starts from ``start``, an
     answer of the same problem to another load.
     """
@@ -189,7 +196,7 @@ def answered(
 
 
 def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
-    """Message why the answer to the load ``name`` is refused, with the remedy."""
+    """Message on the reason why the answer to the load ``name`` is refused, with the remedy."""
     vain = ""
     why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:
@@ -200,7 +207,7 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
         why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
-    # If another error failed too, its reason is given instead.
+    # If another error failed too, the message gives the reason of that error.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
@@ -212,7 +219,7 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
 
 
 def uncertain(discretisation: Discretisation) -> str:
-    """Message when every method fails, with the remedy."""
+    """Message for the case that every method fails, with the remedy."""
     return f"{_MARGINAL} {_of_element(discretisation)}".rstrip()
 
 

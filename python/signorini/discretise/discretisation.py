@@ -52,10 +52,10 @@ __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "R
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Discretisation(Remade):
-    """A model as arrays: n nodes with the dofs (w, θ1, θ2) each, node by node.
+    """A model as arrays: n nodes with three dofs (w, θ1, θ2) each, ordered by node.
 
     θ1, θ2 are θx, θy, except at nodes with axes of their own (``held.frames``). Nodes of a rigid body (``held.bodies``)
-    are slaves of one leader: displacements are expanded to them, rows and loads act on the leader.
+    are slaves of one leader node: displacements are expanded to the slaves, rows and loads act on the leader.
     """
 
     model: Model
@@ -79,23 +79,23 @@ class Discretisation(Remade):
     plates: tuple[OfWhole, ...] = ()
     """Plates whose arrays are joined in this discretisation; empty for a model of one plate."""
     tightening: tuple[float, ...] = ()
-    """Factors (t,) of the rounds in which bolts are tightened, as `Model.round_factors` gives them."""
+    """Factors (t,) of the bolt forces in the t rounds of tightening, as `Model.round_factors` gives them."""
 
     _made = MappingProxyType({"plate": lambda result: result.made()})
 
     @property
     def members(self) -> tuple[OfWhole, ...]:
-        """Plates with their indices into the joined arrays; a model of one plate is its own only member."""
+        """The plates with their indices into the joined arrays; for a model of one plate, this plate alone."""
         return self.plates or (OfWhole.alone(self),)
 
     @property
     def each(self) -> tuple[Discretisation, ...]:
-        """Discretisation of each plate; for a model of one plate, this discretisation."""
+        """Discretisations of the plates; for a model of one plate, this discretisation alone."""
         return tuple(plate.own for plate in self.members)
 
     @property
     def dof_count(self) -> int:
-        """Number of dofs 3n, held dofs included."""
+        """Number of dofs 3n, including held dofs."""
         return 3 * self.mesh.node_count
 
     @cached_property
@@ -105,27 +105,28 @@ class Discretisation(Remade):
 
     @cached_property
     def parts(self) -> tuple[Parts, ...]:
-        """Indices of the held nodes, springs and ``points`` of each support."""
+        """For each support, the indices of its held nodes, springs and ``points``."""
         return parts_of(len(self.model.support), self.held.nodes, self.held.points, self.springs, self.points)
 
     def made(self) -> _core.Plate:
-        """Make the element data for the core; several plates share one table of elements."""
+        """Make the core's element data; several plates share one table of elements."""
         return plate_of(self.mesh, self.zones, self.thickness, self.stress_nodes, self.held)
 
     def over_dofs(self, rows: Rows) -> csr_array:
-        """G B (m, 3n): rows as a sparse matrix; dofs of slave nodes are expressed by those of their leaders."""
+        """G B (m, 3n): rows as a sparse matrix, with dofs of slave nodes replaced by those of their leaders."""
         return self.held.bodies.onto_leaders(rows.matrix(self.mesh.elements, self.dof_count))
 
     @cached_property
     def shared(self) -> list[Shared]:
-        """Groups of ``points`` whose reactions are not unique."""
+        """Groups of ``points`` whose reactions are not unique, because their rows are linearly dependent."""
         return shared_by(self.model, self.mesh, self.held, self.points)
 
     def by_sign(self, reaction: Floats) -> Floats:
         """Unique part of the reactions in groups of `shared` in which some points push up and others down.
 
-        ``reaction`` (m + r,) is that of ``points``; the result is one entry for each point of such a group. It is
-        orthogonal to every redistribution within the group. Its sign decides which points carry it.
+        ``reaction`` (m + r,) belongs to ``points``; the result has one entry for each point of such a group. The result
+        is orthogonal to every redistribution of reactions within the group. Its sign decides which points of the group
+        carry the reaction.
         """
         parts = [np.zeros(0)]
         for group in self.shared:
@@ -137,7 +138,7 @@ class Discretisation(Remade):
 
     @property
     def repeats_itself(self) -> bool:
-        """Whether rows of rigid contact points are linearly dependent, so that their gaps cannot be chosen freely."""
+        """Whether rows of rigid contact points are linearly dependent, so that not every set of gaps is possible."""
         rigid = np.flatnonzero((self.contacts.compliance == 0) & ~self.contacts.slope)
         free = within(self.contact_rows[rigid], ~self.held.dofs)
         group, _ = parallel(free)
@@ -155,9 +156,9 @@ class Discretisation(Remade):
 
     @cached_property
     def held_together(self) -> tuple[frozenset[int], ...]:
-        """Sets of supports that hold the same nodes.
+        """Sets of supports that hold the deflection of the same nodes.
 
-        Two lines that share only a corner node make no set: each carries half of the corner's reaction.
+        Two lines that share only a corner node make no set: each line carries half of the corner's reaction.
         """
         nodes, holders = self.held.nodes, self.held.points.support
         _, first, count = np.unique(nodes, return_index=True, return_counts=True)
@@ -176,14 +177,15 @@ class Discretisation(Remade):
 
     @cached_property
     def contact_rows(self) -> csr_array:
-        """Rows G (m, 3n) of the contact points."""
+        """Rows G (m, 3n) of the m contact points."""
         return self.over_dofs(self.contacts.rows)
 
     @cached_property
     def point_rows(self) -> csr_array:
-        """Rows (m + r, 3n) of contact points, followed by those of redundant points.
+        """Rows (m + r, 3n) of the contact points, followed by rows of the redundant points.
 
-        Over the free dofs, a redundant row is a linear combination of the others; over held dofs, it need not be.
+        Over the free dofs, a redundant row is a linear combination of rows of contact points; over held dofs, it need
+        not be.
         """
         if not len(self.repeated.points):
             return self.contact_rows
@@ -203,8 +205,8 @@ class Discretisation(Remade):
     def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
         """Upward forces −k (row·u − base) (..., s) of springs at displacements u = hi + lo (..., 3n).
 
-        ``base`` (s,) replaces ``springs.distance``. Products are summed in extended precision: travels of stiff springs
-        are as small as the rounding of u.
+        ``base`` (s,), if not None, replaces ``springs.distance``. Products are summed in extended precision: travels of
+        stiff springs are as small as the rounding of u.
         """
         springs = self.springs
         if hi.ndim > 1:
@@ -213,7 +215,7 @@ class Discretisation(Remade):
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
     def through(self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, pull: Floats) -> Floats:
-        """Moment, twist and shear (3s,) of each section, followed by their means at each station of a strip.
+        """Moment, twist and shear (3s,) of each section, then their means over the width at each station of a strip.
 
         The plate is in equilibrium under ``load`` with displacements u = hi + lo (3n,), reactions (m + r,) of
         ``points`` and upward forces ``pull`` (k,) of springs.
@@ -227,7 +229,7 @@ class Discretisation(Remade):
 
     @cached_property
     def cut_lengths(self) -> Floats:
-        """Lengths (s,) of the parts of sections, then of stations of strips, that are on the plate."""
+        """Lengths (s,) on the plate of all sections, then of the cross lines at all stations of strips."""
         result: dict[tuple[str, int], Floats] = {}
         for plate in self.members:
             first = len(plate.own.model.section)
@@ -239,13 +241,13 @@ class Discretisation(Remade):
 
     @cached_property
     def _reactions_through(self) -> tuple[csr_array, csr_array]:
-        """Moment, twist and shear of sections per unit reaction: of ``points`` (3s, m + r), of springs (3s, k)."""
+        """Moment, twist and shear of sections per unit reaction of ``points`` (3s, m + r), and of springs (3s, k)."""
         at_sections = self.sections.of_supports
         return at_sections(self.model.support, self.points), at_sections(self.model.support, self.springs)
 
     @cached_property
     def rigid_motions(self) -> Floats:
-        """Rigid-body modes R (3n, 3p) of p plates: w = 1, x − x0, y − y0, where (x0, y0) is `middle`."""
+        """Rigid-body modes R (3n, 3p) of p plates: w = 1, w = x − x0, w = y − y0 on each, with (x0, y0) = `middle`."""
         motions, members = self.held.rigid_motions(self.mesh.points, self.middle), self.members
         result = np.zeros((len(motions), 3 * len(members)))
         for number, plate in enumerate(members):
@@ -259,11 +261,11 @@ class Discretisation(Remade):
 
     @property
     def sizes(self) -> Floats:
-        """Scale of each rigid-body mode (3p,): 1 for the deflection, the mesh size L for the two rotations."""
+        """Divisor (3p,) of each mode in `scaled_motions`: 1 for the deflection, the mesh size L for rotations."""
         return np.tile([1.0, self.mesh.size, self.mesh.size], len(self.members))
 
     def in_motions(self, positions: Floats, elements: Ints) -> Floats:
-        """Deflections (q, 3p) of `scaled_motions` at positions (q, 2) in elements (q,)."""
+        """Deflections (q, 3p) of the modes `scaled_motions` at positions (q, 2) in elements (q,)."""
         linear = np.column_stack([np.ones(len(positions)), (positions - self.middle) / self.mesh.size])
         firsts = [plate.elements.start for plate in self.members]
         result = np.zeros((len(linear), len(firsts), 3))
@@ -271,7 +273,7 @@ class Discretisation(Remade):
         return result.reshape(len(linear), 3 * len(firsts))
 
     def moved(self, hi: Floats, lo: Floats, motions: Floats) -> tuple[Floats, Floats]:
-        """Displacements u = hi + lo (3n,) plus rigid motions (3p,): w and two slopes about `middle` for each plate."""
+        """Displacements u = hi + lo (3n,) plus rigid motions (3p,): for each plate w and two slopes about `middle`."""
         x, y = self.middle.tolist()
         moved = [
             part.own.plate.moved(hi[part.dofs], lo[part.dofs], (x, y), (w, tx, ty))
@@ -281,7 +283,7 @@ class Discretisation(Remade):
 
     @cached_property
     def probe_sides(self) -> Sides:
-        """Location of every probe in each element that contains it: values may jump between elements."""
+        """Location of every probe in each element that contains the probe, since values may jump between elements."""
         return self.stress_nodes.sides(self.probe_positions, self.probes)
 
     @cached_property
@@ -304,17 +306,17 @@ class Discretisation(Remade):
 
     @cached_property
     def no_load(self) -> CaseLoad:
-        """The zero load."""
+        """The load that is zero everywhere."""
         if self.plates:
             return CaseLoad.join([plate.own.no_load for plate in self.plates])
         return CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
 
     def load_of(self, case: str) -> CaseLoad:
-        """Load of a case; zero if the case acts only on other plates."""
+        """Load of the load case ``case``; zero if the case acts only on other plates."""
         return self.cases[case] if case in self.cases else replace(self.no_load, acting=frozenset([case]))
 
     def tightened(self, contacts: ContactPoints, tightening: tuple[float, ...]) -> Discretisation:
-        """Copy with the tightened bolts of ``contacts``; ``tightening`` (t,) are the factors of the rounds."""
+        """Copy with the contact points ``contacts``, whose bolts are tightened with the factors ``tightening`` (t,)."""
         plates = []
         for plate in self.plates:
             contacts_of_plate, changed = plate.own.contacts, contacts.pick(plate.points[: len(plate.own.contacts)])
@@ -329,7 +331,7 @@ class Discretisation(Remade):
         return replace(self, contacts=contacts, tightening=tightening, plates=tuple(plates))
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the load cases of a combination times their factors."""
+        """Load of a combination: sum of its load cases times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = self.no_load
         for case, factor in (combination.factors or {}).items():
@@ -338,7 +340,7 @@ class Discretisation(Remade):
 
 
 def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Discretise one plate: mesh it, unless a mesh is given, and turn its supports and loads into arrays."""
+    """Discretise one plate: mesh it, unless ``mesh`` is given, and convert its supports and loads to arrays."""
     begun = time.perf_counter()
     mesh, model, moved = mesh_of(model, mesh)
     meshed = time.perf_counter()
@@ -346,7 +348,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     placements = placed(model, mesh, problems)
     supports = [each for each in placements if each.support.between is None]
     loaded = loaded_sides(model, mesh, problems)
-    # The thickness is a placeholder: other problems are reported even if the thickness is wrong.
+    # The thickness is a placeholder, so that other problems are reported even if the thickness is wrong.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     bodies = Bodies.of(mesh, zones, problems)
     held = hold(mesh, supports, bodies, problems)
@@ -374,8 +376,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
             with problems.collected():
                 raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
     problems.raise_collected()
+    # With supports between plates this is one of several plates; `plates` then checks the domain, with those supports.
     if not any(support.between for support in model.support):
-        # Supports between plates are not known yet; `plates` checks the domain later.
         require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.raise_collected()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
@@ -406,7 +408,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
 
 
 def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
-    """Element data for the core, of one plate or of all plates."""
+    """Make the core's element data, for one plate or for several plates joined."""
     plates, others = zones.rigidities[0], None
     if len(zones.rigidities) > 1:
         units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
@@ -437,8 +439,8 @@ class OfWhole(Remade):
     maps each key, such as "load", to the indices of the plate's loads in the whole model.
 
     ``beneath`` has an entry for each area support of this plate against another plate: the first node of the other
-    plate, and the matrix (n, n') that interpolates its deflections at this plate's nodes. ``upon`` are indices of the
-    supports through which other plates rest on this plate.
+    plate, and the matrix (n, n') that interpolates the other plate's deflections at this plate's nodes. ``upon`` are
+    indices of the supports through which other plates rest on this plate.
     """
 
     name: str
@@ -454,7 +456,7 @@ class OfWhole(Remade):
 
     @classmethod
     def alone(cls, plate: Discretisation) -> OfWhole:
-        """The only member of a model of one plate."""
+        """Make the only member of `Discretisation.members` of a model of one plate."""
         model = plate.model
         return cls(
             "",
@@ -470,9 +472,9 @@ class OfWhole(Remade):
         )
 
     def deflections_beneath(self, deflection: Floats) -> dict[int, Floats]:
-        """Deflections (n,) of the other plate at this plate's nodes for each support in ``beneath``.
+        """For each support in ``beneath``, the deflections (n,) of the other plate at this plate's nodes.
 
-        ``deflection`` (N,) is that of all plates.
+        ``deflection`` (N,) are the deflections of all plates.
         """
         return {
             number: matrix @ deflection[first : first + matrix.shape[1]]
@@ -481,5 +483,5 @@ class OfWhole(Remade):
 
     @property
     def dofs(self) -> slice:
-        """Indices of this plate's dofs in the joined arrays."""
+        """Indices of this plate's dofs among the dofs of all plates."""
         return slice(3 * self.nodes.start, 3 * self.nodes.stop)

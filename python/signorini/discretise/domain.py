@@ -1,4 +1,4 @@
-"""The domain of validity (docs/domain.md): inputs outside it are refused before assembly."""
+"""The domain of validity (docs/domain.md): inputs outside this domain are refused before assembly."""
 
 from __future__ import annotations
 
@@ -31,37 +31,46 @@ LONGEST = 1000.0
 
 The stiffness across exceeds that along by the fourth power of the ratio; at 1000, four of sixteen digits remain."""
 THICKEST = 10.0
-"""Largest thickness relative to the plate's width. In a thicker plate, bending across is lost in rounding beside
-shear."""
+"""Largest thickness relative to the plate's width.
+
+In a thicker plate, the bending stiffness across the width is lost in the rounding of the shear stiffness.
+"""
 FLOATING = 1e-10
 """Least relative stiffness λL⁴/D of elastic supports if no rigid support holds any rigid motion of the plate."""
 THIN = 1e-19
-"""Least λL⁴/D relative to (L/h)²·L²/A: rounding of the shear stiffness strains the plate. Found by experiment."""
+"""Least λL⁴/D relative to (L/h)²·L²/A: rounding of the shear stiffness acts like strains of the plate.
+
+Found by experiment.
+"""
 TURNING = 1e-6
-"""Least λL⁴/D if rigid supports hold some rigid motions: rounding strains the plate in the remaining ones."""
+"""Least λL⁴/D if rigid supports hold some rigid motions but not all; rounding strains the plate in the free motions."""
 SOFTEST = 1e-14
-"""Least relative stiffness KL⁴/(AD) of an elastic support, K in total, if rigid supports hold the plate.
+"""Least relative stiffness KL⁴/(AD) of an elastic support, K its total stiffness, if rigid supports hold the plate.
 
 The force of a softer support is below the rounding of the rigid supports' reactions."""
 RIGID = 1e12
 """Smallest relative stiffness KL⁴/(AD), with the total stiffness K, of an elastic support that counts as rigid."""
 _ROUNDING = 1e-9
-"""Relative tolerance of all limits: coordinates and formulas are rounded."""
+"""Relative tolerance of all limits of the domain, since coordinates and formulas are rounded."""
 _ALONG = 0.02
-"""Largest slope (about 1°) of the distance between two lines that count as parallel.
+"""Largest slope (about 1°) at which the distance between two parallel lines may change along the lines.
 
-Lines that meet or cross at a larger angle share a point. Their reactions are no larger than those of parallel lines at
-the least distance."""
+Lines that meet or cross at a larger angle share a point. Reactions at such lines are no larger than at parallel lines
+with the least distance.
+"""
 _AROUND = 64
-"""Number of directions in which the plate is searched around a point."""
+"""Number of directions around a point that are tested for plate."""
 _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
-"""Fractions of a full turn: a plate's corner covers less than the first (135°), its edge less than the second."""
+"""Least fraction of the directions around a point in which there must be plate, for points and for points on lines.
+
+With less plate the point is at a corner of the plate (less than 0.375, 135°), or on its edge (less than 0.625).
+"""
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
-"""Least number of pieces into which a side is divided, the same for a circle, and about the largest number for both."""
+"""Least numbers of pieces of a side and of a circle, and about the largest number of pieces of either."""
 
 
 class _Hold(NamedTuple):
-    """Displacements of supports in the three rigid motions w = 1, (x − x₀)/L, (y − y₀)/L.
+    """Displacements of supports in the three rigid motions w = 1, w = (x − x₀)/L, w = (y − y₀)/L.
 
     ``rigid`` (r, 3) are displacements of held dofs and rigid points. ``elastic`` (e, 3) are displacements of springs
     and elastic points, with ``stiffness`` (e,) and index of the ``support`` (e,).
@@ -83,10 +92,7 @@ def require_domain(
     contacts: ContactPoints,
     problems: Problems,
 ) -> None:
-    """Report as problems all inputs outside the domain of validity, except the thickness.
-
-    The thickness is checked where it is evaluated.
-    """
+    """Report as problems all inputs outside the domain of validity; the thickness is checked where it is evaluated."""
     with problems.collected():
         _require_wide(mesh, thickness)
     with problems.collected():
@@ -98,7 +104,7 @@ def require_domain(
     if free.shape[1]:
         with problems.collected():
             _require_stiff_enough(model, mesh, bending, thickness.min(), hold, free)
-    # L⁴/(AD) is formed step by step, since the fourth power of a length may overflow.
+    # L⁴/(AD) is multiplied step by step, since the fourth power of a length may overflow.
     per_bed = mesh.size / float(mesh.element_area.sum()) * mesh.size * (mesh.size * mesh.size / bending)
     total = np.asarray(np.bincount(hold.support, hold.stiffness, len(model.support)) * per_bed, np.float64)
     if not free.shape[1]:
@@ -112,7 +118,7 @@ def require_domain(
     for error in _opposed(model, mesh, held, contacts, least):
         with problems.collected():
             raise error
-    # Supports are compared if they hold the same plate, or the same two plates against each other.
+    # Two supports are compared if both hold the same plate, or both act between the same two plates.
     for between in dict.fromkeys(model.support[index].between for index in sorted(rigid)):
         same_plates = [index for index in sorted(rigid) if model.support[index].between == between]
         for error in _too_near(model, mesh, same_plates, least):
@@ -160,7 +166,7 @@ def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
 
 def _hold(mesh: Mesh, held: Held, springs: ContactPoints, contacts: ContactPoints) -> _Hold:
     size, modes = np.array([1.0, mesh.size, mesh.size]), held.rigid_motions(mesh.points, mesh.middle)
-    # A slope times the plate's size L is compared with deflections.
+    # A slope is multiplied by the plate's size L, to be compared with deflections.
     at_nodes = modes[held.dofs] / size * np.tile(size, mesh.node_count)[held.dofs, None]
 
     def motions(points: ContactPoints) -> Floats:
@@ -187,8 +193,11 @@ def _require_no_softer(model: Model, total: Floats) -> None:
 
 
 def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
-    """Refuse elastic supports that alone hold the rigid motions ``free`` (3, d) if the least λ of these is small."""
-    # Mechanisms are reported with another message.
+    """Refuse elastic supports that alone resist the rigid motions ``free`` (3, d) if the least λ is too small.
+
+    λ is the stiffness per area of a bed under the whole plate that resists a motion as the supports do.
+    """
+    # Another check reports mechanisms, which no support resists.
     if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
@@ -198,7 +207,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
     weight = (mesh.element_area / mesh.element_area.sum())[:, None] * np.array([8.0, 1.0, 1.0, 1.0, 1.0]) / 12.0
     modes = np.concatenate([np.ones((*weight.shape, 1)), positions], axis=2).reshape(-1, 3) @ free
     mean = _triangle(np.sqrt(weight.reshape(-1, 1)) * modes)
-    # Singular values, √λ, resolve the least λ beside others 1e30 times as large.
+    # Singular values √λ, in place of eigenvalues λ, resolve the least λ beside others that are 1e30 times as large.
     scaled = np.sqrt(hold.stiffness / hold.stiffness.max())[:, None] * (hold.elastic @ free)
     roots = np.linalg.svd(np.linalg.solve(mean.T, _triangle(scaled).T), compute_uv=False)
     largest = hold.stiffness.max() / float(mesh.element_area.sum()) * mesh.size * mesh.size
@@ -220,7 +229,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
 
 
 def _triangle(rows: Floats) -> Floats:
-    """R (3, d) of the QR factorization of rows (n, d); forming RᵀR would lose small singular values."""
+    """R (3, d) of the QR factorization of rows A (n, d); AᵀA would lose small singular values."""
     return np.asarray(np.linalg.qr(rows, mode="r"))
 
 
@@ -234,14 +243,15 @@ class _Rigid:
     covers: Region | None = None
 
     def has(self, positions: Floats) -> Bools:
-        """Mask of positions (q, 2) within the support's area."""
+        """Mask (q,) of positions (q, 2) within the support's area; all False for edges and lines."""
         return np.zeros(len(positions), np.bool_) if self.covers is None else self.covers.contains(positions)
 
 
 def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[InputError]:
-    """Yield an error for each pair of rigid supports nearer than the least distance (ne,) of the element there.
+    """Yield an error for each pair of rigid supports that are too near to each other.
 
-    A footprint counts by its middle, about which the plate turns.
+    ``least`` (ne,) is the least distance in each element. A footprint counts as its middle, about which the plate
+    turns.
     """
     most = float(least.max())
     yield from _points(model, mesh, rigid, least)
@@ -266,7 +276,7 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
 
 
 def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
-    """Yield an error for each rigid one-sided area and rigid support on it that holds the plate against it.
+    """Yield an error for each rigid one-sided area against which a rigid support presses the plate.
 
     With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
     reactions grow without limit as the mesh is refined.
@@ -293,7 +303,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             and (other in both or _covers(model, mesh, index, positions[support_of == other]))
             for other in np.unique(support_of[others]).tolist()
         ):
-            # w = g on the whole area, so that the plate does not turn at the support.
+            # w = g on the whole area, so that the plate cannot rotate at the support.
             continue
         others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
@@ -311,7 +321,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
 
 
 def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
-    """Whether the support with a given index is an area that covers all positions (q, 2)."""
+    """Whether the support with index ``index`` is an area that covers all positions (q, 2)."""
     region = model.support[index].where.region
     if model.support[index].area is None or region is None:
         return model.support[index].area is not None
@@ -319,9 +329,9 @@ def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
 
 
 def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, support_of: Ints) -> Bools:
-    """Mask of points (q,) that lie on the area ``floor`` and can act against it; points of areas must be inside it."""
+    """Mask (q,) of points that lie on the area ``floor`` and can act against it; points of areas must lie inside it."""
     may = np.array([support.between == floor.between for support in model.support], np.bool_)
-    # A line that holds its slope carries a moment by itself.
+    # A line that holds its slope carries a moment without other supports.
     may &= [support.at is not None or "slope" not in support.fixed for support in model.support]
     if floor.where.region is None:
         return np.asarray(may[support_of])
@@ -332,9 +342,10 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
 
 
 def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
-    """Whether the plate can bend on both sides of points (k,).
+    """Whether the plate can bend on both sides of each point (k,).
 
-    The plate cannot bend within a rigid zone or at its corner nor, along a line, at its edge.
+    The plate cannot bend in this way within a rigid zone, at a corner of the plate or, for points on lines, at an edge
+    of the plate.
     """
     spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
     rows = points.rows
@@ -363,13 +374,13 @@ def _in_words(model: Model, place: Place, position: Floats, distance: float, lea
 
 
 def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[InputError]:
-    """Yield an error for the first two points of each pair of supports that are too near to each other."""
+    """Yield an error for each pair of supports with points too near to each other; the message names the first two."""
     owners = [(i, j) for i in rigid for j in range(len(model.support[i].at or ()))]
     if len(owners) < 2:
         return
     positions = np.array([place for i in rigid for place in model.support[i].at or ()])
     same = mesh.near.place
-    # Many points may coincide: points are rounded to cells, and one point of each cell represents all.
+    # Many points may coincide: positions are rounded to cells, and one point of each cell represents all points in it.
     _, first = np.unique(np.round((positions - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     cells, reach = positions[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -388,7 +399,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
 
 
 def _limit(mesh: Mesh, positions: Floats, least: Floats) -> Floats:
-    """Least distance (q,) between rigid supports at positions (q, 2); 0 off the plate."""
+    """Least distance (q,) allowed between rigid supports at positions (q, 2); 0 off the plate."""
     if (least == least[0]).all():
         return np.full(len(positions), least[0])
     where = mesh.locate(positions)
@@ -396,7 +407,7 @@ def _limit(mesh: Mesh, positions: Floats, least: Floats) -> Floats:
 
 
 def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None:
-    """Geometry of a support: its edges, line, circle or the outline of its area; None for points."""
+    """Geometry of a support: its edges, line, circle or the outline of its area; None for a support at points."""
     where = model.support[index].where
     if where.edges:
         if isinstance(model.plate, OutlinedPlate):
@@ -408,14 +419,14 @@ def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None
 
 
 def _name(support: Support, drawn: _Rigid, position: Floats) -> str:
-    """Name the edge, line or area of a support that is nearest to a position (2,)."""
+    """Name for messages of the edge, line or area of a support that is nearest to a position (2,)."""
     apart = {name: float(target.nearest(position[None])[1][0]) for name, target in drawn.edges.items()}
     part = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
     return f"the {part} of {support.name}, {format_place(('support', drawn.index, support.place))}"
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
-    """Indices of the boxes (k, 4) that a support's points and outline reach; none for a support on edges."""
+    """Indices of those of the boxes (k, 4) that touch a support's points or outline; none for a support on edges."""
     where = support.where
     if not where.points and where.shape is None:
         return []
@@ -424,14 +435,14 @@ def _reached(support: Support, boxes: Floats) -> list[int]:
 
 
 def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[tuple[Floats, bool]]:
-    """Yield positions (q, 2) with False for points and line ends, then positions along each line with True."""
+    """Yield positions (q, 2) of points and line ends with False, then positions along each line with True."""
     if support.at is not None:
         yield np.array(support.at), False
     if support.where.shape is None:
         return
     outline = support.where.outline
     yield np.concatenate([outline.segments.reshape(-1, 2), outline.arcs[:, ::2].reshape(-1, 2)]), False
-    # The nearest point of a circle lies on the ray from its centre to the nearest target.
+    # The point of a circle nearest to a target lies on the ray from the circle's centre to the target.
     nearest, distances = beside.nearest(outline.circles[:, :2])
     off_centre = (distances > 0.0) & np.isfinite(distances)
     x, y, radius = outline.circles[off_centre].T
@@ -446,12 +457,15 @@ def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterat
 def _nearest(
     mesh: Mesh, support: Support, positions: Floats, along: bool, other: _Rigid, least: Floats
 ) -> tuple[Floats, float, float] | None:
-    """Position nearest to another support, if outside it but too near; its distance, and the least one allowed."""
+    """Position of ``support`` nearest to ``other``, its distance from ``other``, and the least distance allowed.
+
+    None if no position is outside ``other`` and too near to it.
+    """
     feet, apart = other.targets.nearest(positions)
     rounding = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
     near = (apart > rounding) & (apart < least.max())
     if along:
-        # Lines are parallel where the distance hardly changes between neighbouring positions.
+        # Two lines are parallel where their distance hardly changes between neighbouring positions.
         change = np.abs(np.diff(np.minimum(apart, 2.0 * float(least.max()))))
         flat = change <= _ALONG * np.hypot(*np.diff(positions, axis=0).T)
         near &= np.append(flat, True) & np.insert(flat, 0, True)

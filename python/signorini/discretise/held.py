@@ -1,4 +1,4 @@
-"""Dofs that supports hold at nodes, nodal axes along which a single slope is held, and rigid zones as bodies."""
+"""Dofs that supports hold at nodes, axes of nodes at which one oblique slope is held, and rigid zones as bodies."""
 
 from __future__ import annotations
 
@@ -26,17 +26,19 @@ from signorini.model import Model
 PARALLEL = np.sin(np.radians(10.0))
 """Sine of the largest angle (10°) between directions that count as parallel.
 
-The tangent of a curved edge, a parabola, is not exactly normal to the radius."""
+The sides of a curved edge are parabolas, whose tangents are not exactly normal to the radius.
+"""
 CONSISTENT = 1e-9
-"""Relative tolerance for equal settlements, gaps or rotations at one point: formulas are rounded."""
+"""Relative tolerance for equal settlements, gaps or rotations at one point, since formulas are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """Rigid bodies of nodes.
 
-    ``leaders`` (n,) is the leader of each node at ``points`` (n, 2); a node in no body is its own leader. ``inside``
-    (n,) marks nodes of bodies, leaders included; ``rigid`` (ne,) marks elements whose nodes all belong to one body.
+    ``leaders`` (n,) is the leader of each node at ``points`` (n, 2); a node in no body is the leader of itself.
+    ``inside`` (n,) marks nodes of bodies, leaders included; ``rigid`` (ne,) marks elements whose nodes all belong to
+    one body.
     """
 
     points: Floats
@@ -46,7 +48,10 @@ class Bodies:
 
     @classmethod
     def of(cls, mesh: Mesh, zones: Zones, problems: Problems) -> Self:
-        """Join the nodes of rigid zones; zones that share a node are one body. Elements cut by a zone are reported."""
+        """Make a body of the nodes of each rigid zone; zones that share a node are one body.
+
+        Elements that are only partly in a rigid zone are reported as problems.
+        """
         numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
         for number in numbers:
             with problems.collected():
@@ -65,7 +70,7 @@ class Bodies:
 
     @cached_property
     def motion(self) -> csr_array:
-        """B (3n, 3n) of u = B u_leaders: displacements of all nodes from those of their leaders."""
+        """B (3n, 3n) of u = B u_leaders: displacements of all nodes from the displacements of their leaders."""
         n, dofs = len(self.points), 3 * self.leaders
         following = np.flatnonzero(self.leaders != np.arange(n))
         arms = self.points[following] - self.points[self.leaders[following]]
@@ -76,7 +81,7 @@ class Bodies:
         return csr_array((np.append(np.ones(3 * n), arms.ravel()), (rows, columns)), shape=(3 * n, 3 * n))
 
     def onto_leaders(self, rows: csr_array) -> csr_array:
-        """G B (m, 3n): rows G over all nodes as rows over the leaders."""
+        """G B (m, 3n): rows G over all nodes, expressed by the dofs of their leaders."""
         return csr_array(rows @ self.motion) if self.inside.any() else rows
 
 
@@ -98,7 +103,7 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Slope:
-    """Constraint of a support: the slope along a unit direction (2,) equals that of a rotation (2,)."""
+    """Constraint of a support: the slope along a unit direction (2,) has the value that a rotation (2,) has there."""
 
     direction: Floats
     rotation: Floats
@@ -106,11 +111,11 @@ class _Slope:
 
 
 _Slopes = dict[int, list[_Slope]]
-"""Slopes that supports prescribe, by node."""
+"""Map from nodes to the slope constraints of supports at each node."""
 
 
 def _settle(mesh: Mesh, bodies: Bodies, deflections: Sequence[Floats], slopes: _Slopes) -> Held:
-    """Return the held dofs, values and frames; refuse nodes held at different values.
+    """Return the held dofs with their values and frames; refuse nodes at which supports prescribe different values.
 
     ``deflections`` are tables (k, 4) of node, support, number of the support's point, and deflection.
     """
@@ -151,13 +156,16 @@ def _settle(mesh: Mesh, bodies: Bodies, deflections: Sequence[Floats], slopes: _
 
 
 def rounding_of(largest: float, points: Floats) -> float:
-    """Tolerance for equal deflections up to ``largest``: formulas in the coordinates of points (n, 2) are rounded."""
+    """Tolerance for equal deflections of at most ``largest``.
+
+    The deflections follow from formulas in the coordinates of points (n, 2), which are rounded.
+    """
     size = float(np.ptp(points, axis=0).max())
     return max(CONSISTENT * min(largest, size), float(np.finfo(float).eps * np.abs(points).max()))
 
 
 def contradiction(position: Floats, size: float, first: int, second: int, difference: float) -> InputError:
-    """Error of two supports, by index, that prescribe different deflections at a position."""
+    """Error about two supports, given by index, that prescribe different deflections at a position."""
     return InputError(
         f"Supports contradict each other at {point(position, size)}: the deflections that "
         f"{format_place(('support', int(first)))} and {format_place(('support', int(second)))} prescribe there "
@@ -171,14 +179,14 @@ def _cross(a: Floats, b: Floats) -> float:
 
 
 def _rotation_of(basis: list[_Slope]) -> Floats:
-    """The rotation (2,) with the prescribed slopes along two directions."""
+    """The rotation (2,) that has the prescribed slopes along the two directions of ``basis``."""
     directions = np.array([slope.direction for slope in basis])
     slopes = np.array([slope.direction @ slope.rotation for slope in basis])
     return np.asarray(np.linalg.solve(directions, slopes)) if slopes.any() else np.zeros(2)
 
 
 def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], position: Floats) -> None:
-    """Refuse slopes that contradict the prescribed rotation of the basis; nearly parallel directions count as one."""
+    """Refuse ``slopes`` that contradict the rotation prescribed by ``basis``; nearly parallel directions are equal."""
     largest = max(float(np.abs(slope.rotation).max()) for slope in slopes)
     if largest == 0.0:
         return
@@ -199,11 +207,12 @@ def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], position: F
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Held(Brief):
-    """Held dofs (3n,), their values (3n,), and the nodes' axes.
+    """Held dofs ``dofs`` (3n,), their ``values`` (3n,), and the nodes' axes.
 
     ``support`` (3n,) is the index of the first support that holds the dof, −1 if free. ``points`` (k,) are the points
     of all supports that hold a deflection, at ``nodes`` (k,), sorted by node. ``frames`` (n, 2) are the cosine and sine
-    of each node's first axis; None if all axes are x and y. Nodes of ``bodies`` are held by contact points.
+    of the angle of each node's first axis; None if all axes are x and y. Nodes of ``bodies`` have no held dofs: contact
+    points hold them.
     """
 
     dofs: Bools
@@ -231,7 +240,7 @@ class Held(Brief):
         return np.column_stack([c * x + s * y, c * y - s * x])
 
     def rigid_motions(self, points: Floats, middle: Floats) -> Floats:
-        """Rigid-body modes R (3n, 3) of nodes at points (n, 2): w = 1, x − x0, y − y0 about a middle (x0, y0)."""
+        """Rigid-body modes R (3n, 3) of nodes at points (n, 2): w = 1, x − x0, y − y0, with ``middle`` (x0, y0)."""
         motions = np.zeros((len(points), 3, 3))
         motions[:, 0, 0] = 1.0
         motions[:, 0, 1:] = points - middle
@@ -243,7 +252,7 @@ class Held(Brief):
 
 
 def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Problems) -> Held:
-    """Dofs held by rigid two-sided supports at nodes of the mesh."""
+    """Return the dofs that rigid two-sided supports hold at nodes of the mesh."""
     deflections, slopes = list[Floats](), _Slopes()
     for placed in supports:
         with problems.collected():
@@ -254,15 +263,15 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
 
 
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
-    """Sides (k, 3) of the edges along which supports hold a slope or a twist, support by support."""
+    """Element sides (k, 3) of the edges along which supports hold a slope or a twist, in the order of the supports."""
     held = [mesh.edges[name] for support in model.support if support.holds_rotation for name in support.edge or ()]
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
 def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
-    """Mask (k,) of a support's points that are held dofs; ``nodes`` (k,) is −1 between nodes.
+    """Mask (k,) of a support's points that are held dofs.
 
-    Slave nodes have no dofs of their own.
+    ``nodes`` (k,) are the nodes of the points, −1 for points between nodes. Slave nodes have no dofs of their own.
     """
     support = placed.support
     at_dofs = (nodes >= 0) & ~bodies.inside[nodes] & (support.between is None)
@@ -271,7 +280,7 @@ def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
 
 
 def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Iterator[Floats]:
-    """Yield tables of deflections, as in `_settle`; add to ``slopes`` those that a support holds at nodes."""
+    """Yield tables of held deflections, as for `_settle`; add the slopes that a support holds to ``slopes``."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
     nodes = placed.nodes if placed.sides is None else edge_nodes(mesh, placed.sides)[0]
     (numbers,) = np.nonzero(held_at(placed, nodes, bodies))
@@ -279,7 +288,7 @@ def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Ite
         return
     nodes = nodes[numbers]
     if placed.sides is None and "slope" in support.fixed:
-        # The normals of these two tangents are the x and y axes.
+        # The normals of these two tangents are the x axis and the y axis.
         tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     elif placed.sides is not None and support.holds_rotation:
         along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())
@@ -296,7 +305,7 @@ def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Ite
 
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
-    """Tangents at every node of mesh edges: one if the edge is smooth there, two at a corner."""
+    """Map each node of mesh edges to its unit tangents: one tangent if the edge is smooth there, two at a corner."""
     result: dict[int, list[tuple[float, float]]] = {}
     for nodes, units in zip(triples.tolist(), quadratic_tangents(mesh, triples).tolist(), strict=True):
         for node, (tx, ty) in zip(nodes, units, strict=True):

@@ -1,4 +1,4 @@
-"""Laws of contact points (force over travel) and of supports; no other module reads the keys of a support's law."""
+"""Laws of contact points (force over travel) and of supports; only this module reads the keys of a support's law."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from signorini.model import Support
 from signorini.model.field import PointFieldScalar
 
 _ROUNDING = 1e-12
-"""Relative tolerance for equal slopes of neighbouring pieces: points of a polyline are rounded."""
+"""Relative tolerance for equal slopes of neighbouring pieces of a law, since points of a polyline are rounded."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Law:
     vertices : tuple of (travel, force)
         At least one; travels and forces do not decrease.
     ends : (float, float)
-        Slopes before the first vertex and after the last; infinite where the point is rigid.
+        Slopes before the first and after the last vertex; infinite where the law is vertical.
     """
 
     vertices: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
@@ -58,7 +58,7 @@ class Law:
 
     @cached_property
     def slopes(self) -> Floats:
-        """Slope (p,) of every piece in the order of travel; a straight law has one piece."""
+        """Slope (p,) of every piece of the law in the order of travel; a straight law has one piece."""
         steps = np.diff(np.reshape(self.vertices, (-1, 2)), axis=0)
         with np.errstate(divide="ignore"):
             inner = steps[:, 1] / steps[:, 0]
@@ -66,7 +66,7 @@ class Law:
 
     @cached_property
     def at_ends(self) -> Bools:
-        """Whether each piece (p,) is the first or the last one."""
+        """Mask (p,) of the first and the last piece."""
         number = np.arange(len(self.slopes))
         return np.asarray((number == 0) | (number == number[-1]))
 
@@ -91,7 +91,7 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
-            # The core forms the same differences, so that both round alike.
+            # The core computes the same differences, so that both have the same rounding.
             terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
                 beyond, above = self.vertices[piece]
@@ -102,7 +102,7 @@ class Law:
 
     @cached_property
     def ranges(self) -> Floats:
-        """Least and largest force (p, 2) on every piece.
+        """Least and largest force (p, 2) on every piece of the law.
 
         Examples
         --------
@@ -115,34 +115,34 @@ class Law:
 
     @cached_property
     def straight(self) -> bool:
-        """Whether the law is one straight line: the point neither opens nor yields."""
+        """Whether the law is one straight line, so that the point neither opens nor yields."""
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
 
     @property
     def only_pushes(self) -> bool:
-        """Whether the law is λ = k max(s, 0): no tension, one slope, no limit."""
+        """Whether the law is λ = k max(s, 0), s the travel: no tension, one slope, no limit."""
         return len(self.vertices) == 1 and self.ends[0] == 0.0
 
     @property
     def pushing(self) -> Law:
-        """The law λ = k max(s, 0) with the largest slope k of this law."""
+        """The law λ = k max(s, 0), s the travel, where k is the largest slope of this law."""
         return Law(ends=(0.0, float(self.slopes.max())))
 
     @cached_property
     def forces(self) -> tuple[float, float]:
-        """Least and largest force; infinite if unlimited."""
+        """Least and largest force of the law; infinite if unlimited."""
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
 
     @cached_property
     def at_rest(self) -> tuple[float, float]:
-        """Least and largest force at zero travel."""
+        """Least and largest force of the law at zero travel; different if the law is vertical there."""
         forces = [force for travel, force in self.vertices if travel == 0.0] or [float(self.force_at(0.0))]
         before, beyond = self.ends
         return -np.inf if before == np.inf else min(forces), np.inf if beyond == np.inf else max(forces)
 
     def force_at(self, travel: ArrayLike) -> Floats:
-        """Force at travels; a law without tension is continued linearly before its first vertex.
+        """Force at each travel; a law without tension is continued linearly before its first vertex.
 
         Examples
         --------
@@ -169,7 +169,7 @@ class Law:
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Force at each travel that lies on a piece with slope 0; infinite at a travel on a piece with another slope.
+        """Force at each travel that lies on a piece with slope 0; infinite if the piece has another slope.
 
         Examples
         --------
@@ -185,7 +185,7 @@ class Law:
         return result
 
     def travels(self, force: ArrayLike) -> tuple[Floats, Floats]:
-        """Least and largest travel at forces within the law's range; infinite on an unbounded piece with slope 0.
+        """Least and largest travel at each force within the law's range; infinite on an unbounded piece with slope 0.
 
         Examples
         --------
@@ -197,7 +197,8 @@ class Law:
         result = []
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
-            # The number of vertices below the force (not above it, for the largest travel) is the piece's index.
+            # For the least travel, the index of the piece is the number of vertices with smaller forces. For the
+            # largest travel, vertices with equal forces count too.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)
@@ -209,11 +210,14 @@ LAWS = tuple(Law(ends=(0.0, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
-"""Unit laws, one-sided, two-sided, one-sided with limit 1, two-sided with limit 1; each with slope 1 and rigid."""
+"""Laws for unit force: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1.
+
+Each of the four is listed with slope 1, then rigid.
+"""
 
 
 def acts_both_ways(support: Support) -> bool:
-    """Whether a support resists motion both downwards and upwards, without a gap.
+    """Whether a support resists motion downwards and upwards, without a gap.
 
     Examples
     --------
@@ -226,7 +230,7 @@ def acts_both_ways(support: Support) -> bool:
 
 
 def can_let_go(support: Support) -> bool:
-    """Whether the law of a support has a kink: it lets go, yields, or changes its slope.
+    """Whether the law of a support is not straight: the support lets go, yields, or changes its stiffness.
 
     Examples
     --------
@@ -252,17 +256,17 @@ def partition(straight: Bools, compliant: Bools, at_dofs: Bools, tightened: Bool
 
 
 def is_unyielding(support: Support) -> bool:
-    """Whether a support holds the deflection rigidly, without a limit of its force."""
+    """Whether a support holds the deflection rigidly, without a limit on its force."""
     return support.is_rigid and not support.can_yield
 
 
 def field_of(support: Support) -> Field | None:
-    """Table of a support's stiffness, which may be 0 in part of the support; None if it has none."""
+    """Table of the stiffness of a support, which may be 0 in part of the support; None without a table."""
     return support.stiffness if isinstance(support.stiffness, Field) else None
 
 
 def on_soil(support: Support, positions: Floats, place: Place = ()) -> Bools:
-    """Mask (q,) of positions (q, 2) on a support at which it acts: a table of stiffness may give 0 there."""
+    """Mask (q,) of positions (q, 2) on a support at which its stiffness is not 0; only tables give stiffness 0."""
     field = field_of(support)
     if field is None:
         return np.ones(len(positions), np.bool_)
@@ -270,7 +274,7 @@ def on_soil(support: Support, positions: Floats, place: Place = ()) -> Bools:
 
 
 def stiffness_place(support: Support, place: Place) -> Place:
-    """Path in the model of the key that gives a support at ``place`` its stiffness."""
+    """Path in the model of the key that gives the stiffness of the support with path ``place``."""
     if support.law is not None:
         return *place, "law"
     field = field_of(support)
@@ -278,18 +282,18 @@ def stiffness_place(support: Support, place: Place) -> Place:
 
 
 def constant_stiffness(support: Support) -> float | None:
-    """Stiffness of a support if it is a constant; None if it varies, or if a law gives it."""
+    """Stiffness of a support if the stiffness is constant; None if it varies, or if a law gives it."""
     stiffness = support.stiffness
     return stiffness.value if isinstance(stiffness, Expression) and stiffness.is_constant else None
 
 
 def orders_at(support: Support, numbers: Ints) -> Ints | None:
-    """Place (k,) in the order of tightening of the bolts with given numbers; None if the support has no preload."""
+    """Order (k,) in which the bolts with the given numbers are tightened; None if the support has no preload."""
     return None if support.preload is None else np.broadcast_to(support.order or 1, support.point_count)[numbers]
 
 
 def written_at(support: Support, positions: Floats) -> Iterator[tuple[str, str, Floats]]:
-    """Yield key, kind of unit and values (k,) of gap, preload and order at a support's points (k, 2)."""
+    """Yield key, kind of unit and values (k,) for gap, preload and order at the points (k, 2) of a support."""
     for key, kind, formula in (("gap", "length", support.gap), ("preload", "force", support.preload)):
         if formula is not None:
             yield key, kind, formula(*positions.T)
@@ -297,9 +301,9 @@ def written_at(support: Support, positions: Floats) -> Iterator[tuple[str, str, 
         yield "order", "", np.broadcast_to(np.array(support.order, np.float64), len(positions))
 
 
-def has_constant_gap(support: Support) -> bool:
-    """Whether the gap of a support is constant."""
-    return support.gap.is_constant
+def has_constant_base(support: Support) -> bool:
+    """Whether both the settlement and the gap of a support are constant."""
+    return support.settlement.is_constant and support.gap.is_constant
 
 
 def base_jumps(support: Support) -> bool:
@@ -308,23 +312,26 @@ def base_jumps(support: Support) -> bool:
 
 
 def _jumps(*formulas: PointFieldScalar | None) -> list[Level]:
-    """Levels at which formulas jump."""
+    """Level functions whose sign changes where one of the formulas jumps."""
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
 def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
-    """Formulas that vary along a support: stiffness, limit, gap and settlement, as far as it has them."""
+    """Formulas that vary along a support: those of stiffness, limit, gap and settlement that the support has."""
     formulas = support.modulus, support.limit, support.gap, support.settlement
     return tuple(formula for formula in formulas if formula is not None)
 
 
 def jumps_of(support: Support) -> list[Level]:
-    """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
+    """Level functions whose zeros are jumps of an elastic support's stiffness, limit, gap or settlement.
+
+    The list is empty for a rigid support.
+    """
     return _jumps(*formulas_of(support)) if support.is_elastic else []
 
 
 def steps_of(support: Support) -> list[Level]:
-    """Levels at which the quadrature is divided: jumps, and with a limit also kinks of limit and stiffness.
+    """Level functions at whose zeros the quadrature is divided: jumps, and with a limit kinks of limit and stiffness.
 
     So the integral of the limit, which is the limit load, is accurate.
     """
@@ -335,7 +342,7 @@ def steps_of(support: Support) -> list[Level]:
 
 
 def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | None:
-    """Stiffness (q,) per point, length or area at positions (q, 2); None for a rigid support."""
+    """Stiffness (q,) of a support at positions (q, 2), per point, length or area; None for a rigid support."""
     if support.modulus is None:
         return None
     return support.modulus(*positions.T, above=0.0, place=(*place, "stiffness"))
@@ -349,7 +356,7 @@ def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats
 
 
 class Graphs(NamedTuple):
-    """Laws of points that push the plate up (``direction`` 1) or down (−1): columns (m,) as in `ContactPoints`."""
+    """Laws of m points that push the plate up (``direction`` 1) or hold it down (−1): columns as in `ContactPoints`."""
 
     direction: float
     distance: Floats
@@ -361,13 +368,13 @@ class Graphs(NamedTuple):
 
     @classmethod
     def linear(cls, stiffness: Floats, base: Floats) -> Graphs:
-        """Springs with force ``stiffness`` (row·u − ``base``)."""
+        """Laws of springs with the force ``stiffness`` (row·u − ``base``)."""
         law, unit = np.zeros(len(base), np.int64), np.ones(len(base))
         return cls(1.0, 0.0 + base, base, law, stiffness, unit, LAWS[2:3])
 
     @classmethod
     def rigid(cls, base: Floats) -> Graphs:
-        """Constraints row·u = ``base``."""
+        """Laws of the constraints row·u = ``base``."""
         law, ones = np.zeros(len(base), np.int64), np.ones(len(base))
         return cls(1.0, base, base, law, ones, ones, LAWS[3:4])
 
@@ -375,10 +382,10 @@ class Graphs(NamedTuple):
 def graphs_of(
     support: Support, positions: Floats, weights: Floats, stiffest: Floats, slopes: Floats, place: Place
 ) -> list[Graphs]:
-    """Laws of a support's points (m,) at positions (m, 2): one law, or two if there is a gap in both directions.
+    """Laws of a support's points at positions (m, 2): one entry, or two if the support has a gap in both directions.
 
     ``weights`` (m,) are 1, lengths or areas, ``stiffest`` (m,) bounds the stiffness of springs. ``slopes`` (m,) are
-    prescribed slopes, NaN for points on the deflection.
+    prescribed slopes, NaN for points whose row is the deflection.
     """
     on_deflection = bool(np.isnan(slopes).all())
     settlement = settlement_at(support, positions, place) if on_deflection else slopes
@@ -395,7 +402,7 @@ def graphs_of(
             )
         elastic = stiffness < stiffest
         if both and support.limit is None:
-            # A straight law with C > 0 is a spring, never an equation.
+            # A straight law with C > 0 makes a spring, never an equation.
             elastic, stiffness = np.ones(len(weights), np.bool_), np.minimum(stiffness, stiffest)
     if support.law is not None:
         laws: tuple[Law, ...] = (Law.drawn(support.law, both=both),)
@@ -426,7 +433,7 @@ def slopes_at(support: Support, positions: Floats, place: Place = ()) -> Floats:
 
 
 def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
-    """Values (q,) of a formula at positions (q, 2); NaN where the formula has no value."""
+    """Values (q,) of a formula at positions (q, 2); NaN where the formula cannot be evaluated."""
     try:
         return formula(*positions.T)
     except InputError:
@@ -438,7 +445,7 @@ def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class SupportLaw:
-    """Law that maps a field of deflections to pressures of a support, positive up; NaN where a formula has no value.
+    """Law of a support over a field of deflections; the pressure is positive up, NaN where a formula has no value.
 
     The free travel ends where the support begins to act or, with ``to_limit``, where it yields.
     """
@@ -448,29 +455,30 @@ class SupportLaw:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and largest pressure that the support's direction allows, without regard to its limit."""
+        """Least and largest pressure that the direction of the support allows, regardless of the limit."""
         return {"down": (0.0, np.inf), "up": (-np.inf, 0.0), "both": (-np.inf, np.inf)}[self.support.direction]
 
     @property
     def has_curve_of_yielding(self) -> bool:
-        """Whether a curve bounds the part of the support that yields: limit and stiffness do not jump."""
+        """Whether a curve bounds the region in which the support yields: limit and stiffness do not jump."""
         law, jumps = self.support.law, _jumps(self.support.limit, self.support.modulus)
         return self.support.is_elastic and not jumps and (law is None or law[0][0] >= 0.0)
 
     def travel(self, positions: Floats) -> tuple[Floats, Floats]:
-        """Settlement and free travel (q,) at positions (q, 2)."""
+        """Settlement (q,) and free travel (q,) of the support at positions (q, 2)."""
         settlement, gap = (known_values(formula, positions) for formula in (self.support.settlement, self.support.gap))
         return settlement, gap + self._travel_at_limit(positions) if self.to_limit else gap
 
     def overlap(self, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
-        """Travel beyond the free travel, (..., q); if negative, its magnitude is the gap."""
+        """Travel (..., q) beyond the end of the free travel; a negative value is minus the remaining gap."""
         down, up = _beyond(deflection, travel)
         return {"down": down, "up": up}.get(self.support.direction, np.maximum(down, up))
 
     def pressure(self, deflection: Floats, positions: Floats) -> Floats:
         """Pressure (..., q) of an elastic area for deflections (..., q) at positions (q, 2), within its limit.
 
-        It continues beyond ``bounds``, as if the area acted both ways; the edge of contact is where it is 0.
+        The pressure continues beyond ``bounds``, as if the area acted in both directions. It is 0 at the edge of
+        contact.
 
         Examples
         --------
@@ -501,7 +509,7 @@ class SupportLaw:
 
 
 def _beyond(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Travels (..., q) beyond the free travel g: w − s − g downwards and s − w − g upwards, with the settlement s."""
+    """Travels (..., q) beyond the free travel g and the settlement s: w − s − g downwards, s − w − g upwards."""
     settlement, gap = travel
     moved = deflection - settlement
     return moved - gap, -moved - gap

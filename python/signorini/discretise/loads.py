@@ -1,4 +1,4 @@
-"""Loads as work-equivalent nodal forces; positions of moving loads are evaluated on demand."""
+"""Loads as work-equivalent nodal forces; loads at positions of moving loads are computed on access."""
 
 from __future__ import annotations
 
@@ -29,11 +29,14 @@ _GAUSS_VARYING = 5
 
 Three points integrate cos 3φ around a circle with an error of 2 %."""
 CANCELLED = 16 * float(np.finfo(float).eps)
-"""Relative tolerance for a zero sum of two loads: a plate that floats must not drift on rounding."""
+"""Relative tolerance for a zero sum of two loads.
+
+A floating plate must not drift under the rounding of the sum.
+"""
 _BALANCED = 1e-12
-"""Tolerance for a zero resultant, relative to the sum of magnitudes."""
+"""Largest resultant of a self-equilibrated load, relative to the sum of magnitudes of its forces."""
 _NOTHING = 1e-9
-"""Largest part of a wheel's print off the plate that counts as rounding."""
+"""Largest part of a wheel's footprint off the plate that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +81,11 @@ class CaseLoad:
 
     @property
     def all_weighs(self) -> bool:
-        """Whether ``weighing`` is all of ``nodal``."""
+        """Whether ``weighing`` equals ``nodal``."""
         return self.weighing is self.nodal
 
     def __add__(self, other: CaseLoad) -> CaseLoad:
-        """Sum of two loads; entries that cancel up to rounding are 0."""
+        """Sum of two loads; entries that cancel up to rounding are set to 0."""
         nodal = _sum(self.nodal, other.nodal)
         return CaseLoad(
             nodal,
@@ -96,7 +99,7 @@ class CaseLoad:
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
-        """Multiply by a factor."""
+        """Multiply the load by a factor."""
         nodal = factor * self.nodal
         weighing = nodal if self.all_weighs else factor * self.weighing
         acting = self.acting if factor else frozenset()
@@ -112,7 +115,10 @@ def _sum(a: Floats, b: Floats) -> Floats:
 
 
 def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints | None]:
-    """Sides (k, 3) along which each load acts, by its index; None if the mesh does not follow its line."""
+    """Map from each load's index to the element sides (k, 3) along which it acts.
+
+    The value is None for a load that does not act along a line, or whose line the mesh does not follow.
+    """
     result = {}
     for index, load in enumerate(model.load):
         with problems.collected():
@@ -132,7 +138,7 @@ def case_loads(
     sides: Mapping[int, Ints | None],
     problems: Problems,
 ) -> dict[str, CaseLoad]:
-    """Load cases by name; ``sides`` is the result of `loaded_sides`. Loads without an entry in it are left out."""
+    """Loads by load case; ``sides`` is the result of `loaded_sides`, and loads without an entry in it are left out."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
@@ -143,7 +149,7 @@ def case_loads(
             onto = Onto(mesh, sections, columns)
             result = _weighed(motions, _load(zones, onto, plate, footprints, load, sides_of_load, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
-    # The case of a preload has a zero load; `analysis.tightening` reads its factor.
+    # The case of a preload has the load zero; `analysis.tightening` reads the factor of the case.
     cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
     return {
         case: replace(
@@ -156,7 +162,7 @@ def case_loads(
 
 
 def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
-    """Set ``weighing`` to 0 if the load is self-equilibrated."""
+    """Return the load with ``weighing`` set to 0 if the load is self-equilibrated."""
     resultant = np.abs(motions.T @ load.weighing)
     balanced = (resultant <= _BALANCED * (np.abs(motions).T @ np.abs(load.weighing))).all()
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
@@ -228,25 +234,28 @@ class Onto:
 
     @property
     def load(self) -> CaseLoad:
-        """Sum of the loads that were added."""
+        """Sum of the loads that were added to this object."""
         result = CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
         return replace(result, on_columns=self._on_columns)
 
     def push(self, forces: Quadrature) -> None:
-        """Add point forces; the weights are forces."""
+        """Add point forces, which are the weights of ``forces``."""
         self._add(forces)
         self.through += self._sections.of_points(forces)
         self._on_columns += self._columns.of_points(forces)
 
     def draw(self, along: Callable[[Levels], Quadrature]) -> None:
-        """Add forces along a line; ``along`` maps levels to a quadrature that is divided where they change sign."""
+        """Add forces along a line.
+
+        ``along`` maps level functions to the quadrature that is divided where these change sign.
+        """
         whole = along(())
         self._add(whole)
         self.through += self._sections.of_line(whole, along)
         self._on_columns += self._columns.of_line(along)
 
     def spread(self, quadrature: Quadrature, spread: Spread) -> None:
-        """Add a pressure; ``quadrature`` integrates it over its region."""
+        """Add the pressure ``spread``; ``quadrature`` integrates it over its region."""
         forces = quadrature.times(spread.pressure(quadrature.elements, quadrature.positions))
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
@@ -266,7 +275,7 @@ class Onto:
 
 
 def _weigh(zones: Zones, onto: Onto) -> None:
-    """Add the plate's weight."""
+    """Add the self-weight of the plate."""
     formulas = dict.fromkeys(zones.formulas)
     order = GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
     levels: Levels = [level for formula in formulas for level in formula.levels]
@@ -280,7 +289,7 @@ def _weigh(zones: Zones, onto: Onto) -> None:
 
 
 def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrature:
-    """Quadrature over the plate; elements cut by borders of zones are divided there."""
+    """Quadrature over the plate; elements that borders of zones cut are divided at the borders."""
     quadrature = area_quadrature(mesh, None, order, levels=levels)
     parted = np.flatnonzero(zones.parted.any(axis=0))
     if not len(parted):
@@ -291,8 +300,9 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 
 
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
-    """Function of elements and positions: the pressure, linear over a footprint, whose resultant is a couple."""
-    # Coordinates from the middle, relative to the footprint's size, balance the three equations.
+    """Return the pressure, linear over a footprint, with a couple as resultant; it takes elements and positions."""
+    # Coordinates are taken from the middle, relative to the footprint's size, so that the three equations are well
+    # scaled.
     middle = quadrature.weights @ quadrature.positions / quadrature.total
     size = np.sqrt(quadrature.total)
 
@@ -306,9 +316,9 @@ def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[I
 
 
 class Cases(Mapping[str, CaseLoad]):
-    """Load cases by name: static ones, and every position of moving loads.
+    """Load cases by name: those of static loads, and those of every position of moving loads.
 
-    Wheels off the plate, and parts of their prints off the plate, do not act.
+    Wheels off the plate, and parts of wheels' footprints off the plate, do not act.
     """
 
     def __init__(
@@ -332,18 +342,19 @@ class Cases(Mapping[str, CaseLoad]):
         return replace(result, acting=frozenset([case]))
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names."""
+        """Iterate over the names of the load cases."""
         yield from self._still
         yield from self._places
 
     def __len__(self) -> int:
-        """Count the cases."""
+        """Return the number of load cases."""
         return len(self._still) + len(self._places)
 
     def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
-        """Yield wheels' prints partly off the plate: moving load, position, axle from 1, part of the force lost.
+        """Yield each wheel whose footprint is partly off the plate.
 
-        Wheels entirely off the plate are ignored.
+        The tuple has the moving load, the position, the number of the axle from 1, and the part of the force that is
+        lost. Wheels entirely off the plate are ignored.
         """
         for name, (load, travelled) in self._places.items():
             if load.patch is None:
@@ -377,7 +388,7 @@ def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None
 def _print(
     centre: tuple[float, float], direction: tuple[float, float], patch: tuple[float, float]
 ) -> tuple[tuple[float, float], ...]:
-    """Corners (4, 2) of a wheel's print, of size (length, width) along and across a direction."""
+    """Corners (4, 2) of a wheel's footprint ``patch`` = (length, width), with the length along ``direction``."""
     (x, y), (tx, ty), (length, width) = centre, direction, patch
     corners = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
     return tuple((x + a * length * tx - b * width * ty, y + a * length * ty + b * width * tx) for a, b in corners)

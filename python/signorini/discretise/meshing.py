@@ -1,4 +1,4 @@
-"""Meshes along the plate's outline and, where possible, outlines and lines of zones, supports and loads."""
+"""Meshes along the plate's outline and, where possible, along outlines and lines of zones, supports and loads."""
 
 from __future__ import annotations
 
@@ -45,28 +45,31 @@ from signorini.shapes.regions import meet
 Line: TypeAlias = Region | Curve
 
 _AROUND = 12
-"""Least number of elements around a circle."""
+"""Least number of element sides around a circle."""
 _LEAST = 0.125
-"""Least size of local refinement at borders, relative to the element size."""
+"""Least element size of local refinement at borders of regions, relative to the element size of the mesh options."""
 _LEAST_BESIDE_LINES = 0.25
-"""Least size of local refinement at lines, relative to the element size; smaller elements would be too many."""
+"""Least element size of local refinement at lines, relative to the element size of the mesh options.
+
+Smaller elements would be too many.
+"""
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
-"""Least distance of a line from other geometry, relative to the element size, at which the mesh can follow it."""
+"""Least distance from other geometry at which the mesh can follow a line, relative to the element size."""
 _SHARP = 0.42
 """Smallest angle in radians (24°) between two lines that the mesher can follow."""
 _EVERY = 5
-"""Angle in degrees of the chords that approximate arcs in this module."""
+"""Angle in degrees of the chords by which this module approximates arcs."""
 _TOUCHING = 5e-4
-"""Distance at which lines count as touching, relative to the plate's diameter: the error of chords of 5°."""
+"""Largest distance of lines that count as touching, relative to the plate's diameter: the error of chords of 5°."""
 _FINEST = 1e-8
 """Least element size relative to the largest coordinate; at 1e-9 rounding separates nodes that should coincide."""
 
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model, tuple[Snapped, ...]]:
-    """Mesh the model's plate, read its mesh file, or take the mesh that is passed.
+    """Mesh the model's plate, read its mesh file, or take ``mesh`` if it is given.
 
     In the returned model, supports and loads at node numbers are at points, and ``mesh.snap`` is applied. The third
-    value lists the items that moved.
+    value lists the items that were moved.
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
@@ -117,7 +120,7 @@ def to_follow(model: Model, where: str = "there", size: float | None = None) -> 
 
 
 def sharp_corner(region: Region) -> Floats | None:
-    """The sharpest corner (2,) of a region's outline if its angle is too small for the mesher, else None."""
+    """Position (2,) of the sharpest corner of a region if its angle is too small for the mesher, else None."""
     least, result = _SHARP, None
     for loop in region.loops:
         back, onward = np.roll(loop, 1, axis=0) - loop, np.roll(loop, -1, axis=0) - loop
@@ -219,7 +222,7 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
         case _:
-            assert isinstance(plate, AnnulusPlate)  # a polygon has no rows
+            assert isinstance(plate, AnnulusPlate)  # A polygon has no rows of elements.
             radii = _radii(model, plate.center, plate.outer)
             return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
 
@@ -259,7 +262,10 @@ def _straight(shape: Region | Curve) -> Floats:
 
 
 def _axes(model: Model, plate: OutlinedPlate) -> Axes:
-    """Axes of the mesh's normal form: the outline decides, then zones, supports, loads and probes in file order."""
+    """Axes in which the mesher works; they do not depend on the axes in which the plate is given.
+
+    The outline decides, then zones, supports, loads and probes in the order of the input.
+    """
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
     zones = [_marks(zone.region) for zone in model.zone]
@@ -281,7 +287,7 @@ def _edges(where: Where, plate: OutlinedPlate) -> list[Floats]:
 
 
 def _marks(shape: Region | Curve) -> Floats:
-    """Points (k, 2) of a shape, enough to distinguish it from its mirror images."""
+    """Points (k, 2) of a shape that distinguish the shape from its mirror images."""
     segments, circles, arcs = shape.outline.segments, shape.outline.circles, shape.outline.arcs
     across = circles[:, None, :2] + circles[:, 2:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
     return np.concatenate([segments.mean(axis=1), *(part.reshape(-1, 2) for part in (segments, across, arcs))])
@@ -307,7 +313,7 @@ def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
 
 
 def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Floats]:
-    """Yield straight pieces (x0, y0, x1, y1, size) (k, 5) of a refinement."""
+    """Yield arrays (k, 5) of straight pieces (x0, y0, x1, y1, size) at which a refinement requires the element size."""
     where = part.where
     chains = (
         [np.array([position, position]) for position in where.points]
@@ -325,7 +331,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        # Between points two sizes apart, element sizes grow by at most a third.
+        # Points are two element sizes apart: between them, element sizes grow by at most a third.
         x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
@@ -333,13 +339,13 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
 
 
 def _spread(low: float, high: float, step: float) -> Floats:
-    """Middles of the fewest equal parts of an interval that are no longer than a step, up to rounding."""
+    """Middles of equal parts of an interval: the fewest parts that are no longer than ``step``, up to rounding."""
     count = math.ceil((high - low) / step - 1e-6)
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
-    """Distinct circles along which supports and loads act, except circles that are small compared with elements."""
+    """Circles along which supports and loads act, each once; circles smaller than elements are left out."""
     rings = [item.where.curve for item in supports_and_loads(model)]
     return tuple(dict.fromkeys(ring for ring in rings if isinstance(ring, Ring) and mesh_follows(ring, size)))
 
@@ -349,7 +355,7 @@ def _sections(model: Model) -> list[Polyline]:
 
 
 def _acted_on(model: Model) -> list[Region | Curve]:
-    """Outlines and lines of supports and loads."""
+    """Outlines and lines on which supports and loads act."""
     return [shape for item in supports_and_loads(model) for shape in item.where.shapes]
 
 
@@ -368,12 +374,12 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
-    """Yield curves along which expressions jump, for the mesh to follow, each with the box that contains it."""
+    """Yield the curves along which expressions jump, for the mesh to follow, each with the box in which it is drawn."""
     items: list[tuple[Acting | Zone | None, PointFieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (not support.is_elastic or support.at is not None):
-            continue  # it acts at nodes or at its own points, where formulas are evaluated
+            continue  # Formulas are evaluated only at nodes or at listed points.
         items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]
@@ -391,10 +397,10 @@ def _within(item: Acting | Zone | None, box: Box) -> Box:
 
 
 def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
-    """Yield arcs and quarters of circles, each by three points."""
+    """Yield three points of each arc and of each quarter of a circle of a border."""
     for x, y, radius in border.outline.circles.tolist():
         for begin, through, end in circle((x, y), radius, "").sides:
-            assert through is not None  # a circle consists of arcs
+            assert through is not None  # A circle consists of arcs, so that every side of it has a third point.
             yield (*begin, *through, *end)
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
@@ -432,7 +438,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
 
 
 def _sides_of(border: Line) -> Iterator[Floats]:
-    """Yield chords (k, 2, 2) of each side, arc and circle."""
+    """Yield the chords (k, 2, 2) of each side, arc and circle of a border."""
     yield from border.outline.segments[:, None]
     for arc in border.outline.arcs.tolist():
         yield _chords(*arc)
@@ -447,7 +453,7 @@ def _chords(a: Point, through: Point | None, b: Point) -> Floats:
 
 
 def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
-    """Parts of chords (k, 2, 2) inside a box (Liang & Barsky 1984): circles may be far larger than the plate."""
+    """Parts of chords (k, 2, 2) inside a box (Liang & Barsky 1984), since circles may be far larger than the plate."""
     begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
     still = along == 0.0
     beside = (still & ((begin < low) | (begin > high))).any(axis=1)
@@ -455,16 +461,16 @@ def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
     enters = np.where(still, 0.0, parameters.min(axis=0)).max(axis=1).clip(0.0)
     leaves = np.where(still, 1.0, parameters.max(axis=0)).min(axis=1).clip(None, 1.0)
     ends = begin[:, None] + np.stack([enters, leaves], axis=1)[..., None] * along[:, None]
-    # Chords entirely inside are not rounded.
+    # Chords entirely inside keep their exact ends.
     ends = np.where(((enters == 0.0) & (leaves == 1.0))[:, None, None], chords, ends)
     return np.asarray(ends[~beside & (enters < leaves)])
 
 
 def _divided(side: Floats, longest: float) -> Floats:
-    """Equal pieces (q, 2, 2) of chords, no longer than ``longest``."""
+    """Divide a chord into equal pieces (q, 2, 2) no longer than ``longest``."""
     parts = [np.zeros((0, 2, 2))]
     for a, b in side:
-        # The tolerance avoids one piece more by rounding.
+        # The tolerance avoids an additional piece caused by rounding.
         count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest - 1e-6)))
         stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
         parts.append(np.stack([stations[:-1], stations[1:]], axis=1))
@@ -472,5 +478,5 @@ def _divided(side: Floats, longest: float) -> Floats:
 
 
 def _distance(points: Floats, chords: Floats) -> Floats:
-    """Distance (q,) of points from the nearest chord (k, 2, 2)."""
+    """Distance (q,) of each point from the nearest of the chords (k, 2, 2)."""
     return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))

@@ -1,4 +1,4 @@
-"""Placement of supports on the mesh, and footprints of points."""
+"""Placement of supports on the mesh, and footprints of their points."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
 _LEAST = 1e-9
-"""Least size of a footprint relative to the plate's: smaller ones are lost in the rounding of coordinates."""
+"""Least size of a footprint relative to the plate's size; smaller footprints are lost in the rounding of coordinates.
+"""
 _HOLE_SLACK = 1e-3
-"""Relative tolerance for the area of a hole in the mesh."""
+"""Relative tolerance for the area of a hole, whose curved edges the mesh approximates."""
 _OFF_MIDDLE = 0.01
-"""Largest distance of a footprint's middle from its point, relative to the root of its area."""
+"""Largest distance of a footprint's middle from its point, relative to the square root of the footprint's area."""
 _PARALLEL = 1e-9
 """Sine of the largest angle between directions that count as parallel."""
 
@@ -43,7 +44,7 @@ class Footprints:
         self._supports = supports
 
     def of(self, item: Acting, place: Place) -> list[Quadrature]:
-        """Quadrature over the footprint of every point; empty where points have no footprint."""
+        """Quadrature over the footprint of each point of a support or load; empty if the points have no footprints."""
         points, shapes = item.where.points, item.where.footprints
         if not shapes:
             return []
@@ -71,7 +72,7 @@ class Footprints:
     def _require_on_plate(
         self, centre: tuple[float, float], shape: Whole, quadrature: Quadrature, place: Place
     ) -> None:
-        """Refuse a footprint beyond the plate; it may cover the hole around its point, and holes inside it."""
+        """Refuse a footprint beyond the plate; only holes inside it, and the hole around its point, may be covered."""
         mesh, subject = self._mesh, f"The footprint of the point {point(centre, self._mesh.size)}"
         if quadrature.total == 0.0:
             raise InputError(f"{subject} lies in a hole. Make it larger than the hole, or move the point.", place=place)
@@ -93,7 +94,7 @@ class Footprints:
             )
 
     def _hollow(self, centre: tuple[float, float], shape: Whole) -> float:
-        """Area of a footprint over holes of the plate: holes inside it, and the hole around its point."""
+        """Area of a footprint over holes of the plate: over holes inside it, and over the hole around its point."""
         (around,), result = shape.loops, 0.0
         for hole in self._mesh.holes:
             if (hole.min(axis=0) > around.max(axis=0)).any() or (hole.max(axis=0) < around.min(axis=0)).any():
@@ -104,7 +105,7 @@ class Footprints:
         return result
 
     def _on_plate(self, centre: tuple[float, float], shape: Whole) -> float:
-        """Part of a footprint that must be on the plate: 1, or less if edges of symmetry cut it through its middle."""
+        """Fraction of a footprint that must be on the plate: 1, or less if edges of symmetry cut its middle."""
         begin, direction = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
         length = np.hypot(*direction.T)
         normals = np.column_stack([-direction[:, 1], direction[:, 0]]) / length[:, None]
@@ -125,7 +126,7 @@ class Footprints:
 
     @cached_property
     def _axes(self) -> Floats:
-        """Ends (k, 2, 2) of element sides along edges of symmetry, with the plate on their left."""
+        """Ends (k, 2, 2) of the element sides along edges of symmetry, with the plate on the left of each side."""
         triples = [np.zeros((0, 3), np.int64)]
         for index, support in enumerate(self._supports):
             if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
@@ -134,7 +135,10 @@ class Footprints:
 
 
 def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadrature], field: int = 0) -> Rows:
-    """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint; their transpose spreads a force evenly."""
+    """Rows of the mean of w, θx or θy (``field`` 0, 1, 2) over each footprint.
+
+    The transpose of a row spreads a force evenly over the footprint.
+    """
     points, owners = (
         Quadrature.join(footprints),
         np.repeat(np.arange(len(footprints)), [len(footprint) for footprint in footprints]),
@@ -148,10 +152,10 @@ def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadratur
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A support on the mesh; ``place`` is its path in the model.
+    """A support on the mesh; ``place`` is the path of the support in the model.
 
     ``nodes`` (q,) are the nodes at its ``points``, −1 for a point between nodes or with a footprint. ``sides`` (k, 3)
-    are element sides along its edge, line or circle; None if the mesh does not follow it. ``footprints`` is the
+    are element sides along its edge, line or circle; None if the mesh does not follow the line. ``footprints`` is the
     quadrature over each point's footprint.
     """
 
@@ -169,7 +173,7 @@ class Placed:
 
 
 def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
-    """Place every support on the plate, supports between plates included; collect errors of misplaced ones."""
+    """Place every support of the plate on the mesh, also supports to other plates; ``problems`` collects errors."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
@@ -193,10 +197,10 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
 
 
 def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[LineQuadrature, Ints]:
-    """Move points within tolerance of a node, or of a point in ``taken`` (k, 2), exactly onto it; return the nodes too.
+    """Move points within tolerance of a node, or of a point in ``taken`` (k, 2), exactly onto it.
 
-    Two-sided points at one place then have equal rows. Nearly equal rows would be independent by rounding. One-sided
-    points need no such care, since each may open.
+    Return the points and their nodes, −1 for points between nodes. Two-sided points at one place then have equal rows.
+    Nearly equal rows would be independent by rounding. One-sided points need no such care, since each may open.
     """
     nodes = mesh.nodes_at(sampled.positions)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)

@@ -1,4 +1,4 @@
-"""Where supports and loads act: from keys of the model to points of the mesh.
+"""Where supports and loads act: keys of the model are converted to points of the mesh.
 
 A rigid area acts on the mean deflection of every element, and at points on its outline. More points within an element
 would outnumber its free deflections. The means alone end half an element short of the outline, on which a tipping plate
@@ -37,23 +37,31 @@ from signorini.shapes.outlines import Point, along_arc
 from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
-"""Tolerance for circles of sectors and for holes, relative to their size: parabolas approximate their outlines."""
+"""Tolerance for circles that leave a sector, and for holes, relative to their size: parabolas approximate their
+outlines.
+"""
 _TURN = 360
-"""Number of points of a full circle; the error of chords is 4e-5 of the radius."""
+"""Number of chords of a full circle; their distance from the circle is at most 4e-5 of the radius."""
 STRIP = 1e-2
-"""Area of each point on the outline, relative to its element's area."""
+"""Area that each point on the outline represents, relative to its element's area."""
 MOST = 0.25
-"""Largest area of all outline points of an element, relative to the element's area."""
+"""Largest area that all outline points of an element represent together, relative to the element's area."""
 _ON_OUTLINE = 1e-4
-"""Tolerance for points on a hull, relative to the plate's diameter: the hull of a circle is a polygon."""
+"""Tolerance for points on a convex hull, relative to the plate's diameter.
+
+Circles are replaced by polygons, so that points on a circle are slightly off the hull.
+"""
 _APART = 0.25
-"""Least distance of points on an outline, relative to the element's size."""
+"""Least distance between points on an outline, relative to the element's size."""
 _FOUR = 4
-"""Least number of points on a hull: four points hold both slopes equally, on a circle and on a rectangle."""
+"""Least number of points on a convex hull.
+
+Four points resist both slopes equally, on a circle and on a rectangle.
+"""
 _NUDGE = 1e-4
-"""Distance, relative to the element's size, at which elements around a point are searched."""
+"""Distance from a point at which the elements around it are searched, relative to the element's size."""
 _WITH_FOOTPRINTS = ("support", "load", "contact")
-"""Tables whose points may have footprints."""
+"""Keys of the tables whose points may have footprints."""
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 """Angles in radians of the eight directions in which elements around a point are searched."""
 
@@ -63,7 +71,7 @@ def located(
 ) -> LineQuadrature:
     """Locate points by their coordinates; refuse points off the plate or in a hole.
 
-    With ``in_holes``, as for footprints, a point in a hole belongs to the nearest element.
+    With ``in_holes``, as for points with footprints, a point in a hole belongs to the nearest element.
     """
     positions = np.array(coordinates, dtype=np.float64)
     where = mesh.locate(positions)
@@ -86,7 +94,7 @@ def located(
         elements = np.where(where.inside, where.elements, mesh.beside(positions))
         middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
         where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
-    # A point on a circle lies within tolerance of the parabola that approximates it.
+    # The input gives a point on a circle; the parabola that approximates the circle is within tolerance of this point.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
     return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
@@ -100,7 +108,7 @@ def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
-    """Element sides (k, 3) of named edges; refuse names that the mesh does not have."""
+    """Element sides (k, 3) along the edges ``names``; refuse names of edges that the mesh does not have."""
     problems = [
         InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
         for position, name in enumerate(names)
@@ -128,9 +136,9 @@ def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | N
 
 
 def sides_beside(mesh: Mesh, where: Where, followed: Ints | None) -> Ints:
-    """Sides (k, 3) across which a line load makes shears jump: ``followed``, else the sides that the line covers.
+    """Sides (k, 3) across which a line load makes shears jump: ``followed``, or if None the sides that the line covers.
 
-    A mesh does not follow a line that ends beside a node, but shears jump across the sides that the line covers.
+    A line that ends between nodes is not followed by the mesh, but shears jump across the sides that it covers.
     """
     if followed is not None:
         return followed
@@ -147,14 +155,14 @@ def along_curve(
     at_ends: int = 0,
     levels: Levels = (),
 ) -> LineQuadrature:
-    """Gauss points of edges, a line or a circle, divided where levels change sign; weights are lengths.
+    """Gauss points of edges, a line or a circle, divided where level functions change sign; weights are lengths.
 
-    ``sides`` are those of `mesh_edges`. ``at_ends``, unless 0, is the number of points of Lobatto's rule on pieces at
-    ends and corners.
+    ``sides`` is the result of `mesh_edges`. ``at_ends``, unless 0, is the number of points of Lobatto's rule on pieces
+    at ends and corners.
     """
     if sides is not None:
         return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
-    assert where.curve is not None  # without edges, there is a line or a circle
+    assert where.curve is not None  # A place without edges has a line or a circle.
     points = curve_quadrature(mesh, where.curve, order, at_ends, levels)
     _require_on_plate(mesh, plate, where.curve, points, f"The {where.key}", (*place, where.key))
     return points
@@ -171,9 +179,9 @@ def in_area(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature of a region, or of the whole plate, with elements cut where levels change sign; weights are areas.
+    """Quadrature of a region, or of the whole plate, with elements cut where ``levels`` change sign; weights are areas.
 
-    Elements (ne,) in ``to_outline`` have points on the outline. With ``follow``, arcs that the mesh follows are
+    Elements marked in ``to_outline`` (ne,) have points on the outline. With ``follow``, arcs that the mesh follows are
     replaced by element sides.
     """
     points = area_quadrature(mesh, region, order, to_outline, levels, off, follow)
@@ -185,9 +193,9 @@ def in_area(
 def _require_on_plate(
     mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, subject: str, place: Place
 ) -> None:
-    """Refuse geometry that leaves the plate; areas may cover holes, the inside of an annulus included.
+    """Refuse geometry that leaves the plate; areas may cover holes, including the inside of an annulus.
 
-    A sector represents the whole plate, so circles about its center may leave it.
+    A sector represents the whole plate, so circles about the sector's center may leave it.
     """
     if points.total == 0:
         apart = length(_apart(mesh, shape), mesh.size)
@@ -217,7 +225,7 @@ def _require_on_plate(
 
 
 def _apart(mesh: Mesh, shape: Region | Curve) -> float:
-    """Distance between the plate and an outline off the plate."""
+    """Distance between the plate and a shape whose outline lies off the plate."""
     drawn = Targets.along(shape.outline)
     begin, end = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])].transpose(1, 0, 2)
     ends = np.concatenate([shape.outline.segments.reshape(-1, 2), shape.outline.arcs.reshape(-1, 2)])
@@ -225,7 +233,7 @@ def _apart(mesh: Mesh, shape: Region | Curve) -> float:
 
 
 def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
-    """Text that names the corner of an outline farthest off the plate, and its distance."""
+    """Text for messages: the corner of an outline that is farthest off the plate, and its distance from the plate."""
     corners = shape.outline.segments.reshape(-1, 2) if isinstance(shape, Polyline | Ring) else shape.loops[0]
     corners = corners[~mesh.locate(corners).inside]
     if not len(corners):
@@ -237,13 +245,13 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
 
 
 def edge_nodes(mesh: Mesh, triples: Ints) -> tuple[Ints, Floats]:
-    """Nodes (q,) of mesh edges, each once, and their lengths (q,), the integrals of the quadratic shape functions."""
+    """Nodes (q,) of mesh edges, each once, and their lengths (q,): the integrals of their shape functions."""
     nodes, inverse = np.unique(triples, return_inverse=True)
     return nodes, np.bincount(inverse.ravel(), side_lengths(mesh, triples).ravel()).astype(np.float64)
 
 
 def side_lengths(mesh: Mesh, triples: Ints) -> Floats:
-    """Integrals (k, 3) of the quadratic functions of the nodes of mesh edges along them."""
+    """Integrals (k, 3) along mesh edges of the quadratic shape functions of their three nodes."""
     s, weights = gauss(3)
     slopes = np.column_stack([s - 0.5, -2 * s, s + 0.5]) @ mesh.points[triples]
     shapes = np.column_stack([s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2])
@@ -258,9 +266,10 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
 
 
 def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
-    """Corners (k, 2) of the convex hull of a support's or load's geometry, in order; listed points as they are.
+    """Corners (k, 2), in order, of the convex hull of a support's or load's geometry; for listed points the points.
 
-    Circles are polygons. Geometry is that of the input, independent of the mesh, unless the plate is itself a mesh.
+    Circles are polygons. The geometry is that of the input, independent of the mesh, unless the plate is read from a
+    mesh file.
     """
     if where.points:
         return np.array(where.points, dtype=np.float64)
@@ -272,7 +281,7 @@ def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
 
 
 def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
-    """Points (k, 2) of a region or curve; circles about the center of a sector are cut to the sector."""
+    """Points (k, 2) on the outline of a region or curve; circles about the center of a sector are cut to the sector."""
     drawn = shape.outline
     points = [drawn.segments.reshape(-1, 2)]
     points += [along_arc(*arc) for arc in drawn.arcs.tolist()]
@@ -288,7 +297,7 @@ def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
 
 
 def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
-    """Points (k, 2) of an edge of the plate; without a name, of all edges."""
+    """Points (k, 2) along an edge of the plate; if ``name`` is None, along all edges."""
     if isinstance(plate, MeshPlate):
         return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
     if name is None:
@@ -297,21 +306,24 @@ def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
 
 
 def _arc(center: Point, radius: float, sector: float) -> Floats:
-    """Points (k, 2) of an arc that starts on the x axis, both ends included; ``sector`` is in degrees."""
+    """Points (k, 2) of an arc that starts on the x axis, with both ends; the angle ``sector`` is in degrees."""
     turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
 
 
 @dataclass(frozen=True, eq=False)
 class OutlinePoints:
-    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) around each, filled with −1."""
+    """Points on the convex hull of an area: positions (v, 2), and the elements (v, 4) around each point.
+
+    Up to four elements are listed; the rest of the row is −1.
+    """
 
     positions: Floats
     shared: Ints
 
 
 def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> OutlinePoints:
-    """Points on an area's hull: corners of the area, and of elements on its outline.
+    """Points on the convex hull of an area: corners of the area, and corners of elements on its outline.
 
     ``covered`` (ne,) marks the elements in the area.
     """
@@ -319,13 +331,13 @@ def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> Ou
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # In an area within one or two elements, fewer points would hold one slope only, depending on their order.
+        # In an area of one or two elements, fewer points would resist one slope only, depending on the order of points.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
 def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reached: Floats) -> OutlinePoints:
-    """Sharp corners of an area's hull, with no quadrature point in ``reached`` (q, 2) at the corner."""
+    """Sharp corners of an area's convex hull at which there is no quadrature point among ``reached`` (q, 2)."""
     corners = np.zeros((0, 2)) if where.region is None else _corners(where.region)
     corners = corners[_off_hull(outline(mesh, plate, where), corners) <= _ON_OUTLINE * mesh.diameter]
     near = mesh.near.place
@@ -340,7 +352,7 @@ def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reac
 
 
 def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlinePoints:
-    """Points, each with up to four covered elements around it; points without a covered element are left out."""
+    """Points with up to four covered elements around each; points without a covered element are left out."""
     around = np.concatenate([np.zeros((1, 2)), _NUDGE * size * np.column_stack([np.cos(_ROUND), np.sin(_ROUND)])])
     near = mesh.locate((points[:, None] + around).reshape(-1, 2)).elements.reshape(len(points), len(around))
     near = np.sort(np.where((near >= 0) & covered[near], near, -1), axis=1)[:, ::-1]
@@ -351,7 +363,7 @@ def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlineP
 
 
 def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
-    """Corners (v, 2) of an area, then corners of elements on its outline and crossings with element sides."""
+    """Corners (v, 2) of an area, then points on its outline: element corners and crossings with element sides."""
     if shape is None:
         return np.asarray(mesh.points[np.unique(mesh.boundary[:, [0, 2]])])
     along = _rim(shape)
@@ -364,7 +376,7 @@ def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
 
 
 def _corners(shape: Region) -> Floats:
-    """Corners (c, 2) of a region; for arcs and circles, the extreme points in x and y."""
+    """Corners (c, 2) of a region; of arcs and circles, the extreme points in x and y."""
     if isinstance(shape, Hollow):
         return _corners(shape.around)
     if isinstance(shape, Circle):
@@ -382,7 +394,7 @@ def _rim(shape: Region) -> Curve:
 
 
 def _spread(points: Floats, apart: float) -> Floats:
-    """Leave out points (v, 2) nearer than ``apart`` to a previous one."""
+    """Leave out each of the points (v, 2) that is nearer than ``apart`` to a previous point that is kept."""
     from scipy.spatial import cKDTree
 
     keep = np.ones(len(points), np.bool_)
@@ -392,5 +404,5 @@ def _spread(points: Floats, apart: float) -> Floats:
 
 
 def _off_hull(corners: Floats, points: Floats) -> Floats:
-    """Distance (v,) of points (v, 2) from the boundary of a hull with corners (k, 2) in order."""
+    """Distance (v,) of points (v, 2) from the boundary of the convex hull with the corners (k, 2), in order."""
     return np.asarray(distances(points, corners, np.roll(corners, -1, axis=0)).min(axis=1))

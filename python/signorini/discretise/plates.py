@@ -1,4 +1,4 @@
-"""Several plates: each is discretised, then all are joined in one table of nodes and elements with their contacts."""
+"""Several plates: each plate is discretised, then all plates and their contacts are joined in one discretisation."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from signorini.model.parts import Part
 
 
 def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Discretise a model: mesh its plates, unless a mesh is given, and turn supports and loads into arrays."""
+    """Discretise a model: mesh its plates, unless ``mesh`` is given, and convert supports and loads to arrays."""
     made_by(model, Model, _advice(model), "model")
     if not model.plates:
         return discretise_plate(model, mesh)
@@ -50,7 +50,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
 
 
 def _advice(argument: object) -> str:
-    """Advice on how to make a model of the argument."""
+    """Advice for messages: how to make a model from the argument that was passed in place of a model."""
     match argument:
         case str() | os.PathLike():
             return "Load the file first: signorini.load(file)."
@@ -62,9 +62,10 @@ def _advice(argument: object) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Contact points of a support between two plates; their rows are over both, with elements of the upper plate first.
+    """Contact points of a support between two plates.
 
-    ``support``, ``upper`` and ``lower`` are indices in the whole model.
+    Their rows are over both plates, with elements of the upper plate first. ``support``, ``upper`` and ``lower`` are
+    indices in the whole model.
     """
 
     support: int
@@ -73,7 +74,7 @@ class _Joint:
     points: ContactPoints
 
     def rows(self, first: Ints) -> tuple[Rows, Rows]:
-        """Rows over the upper and over the lower plate; ``first`` is the index of each plate's first element."""
+        """Rows over the upper and rows over the lower plate; ``first`` is the index of each plate's first element."""
         return self.points.rows.split(int(first[self.upper + 1] - first[self.upper]))
 
 
@@ -176,7 +177,10 @@ _COUNTS: tuple[Callable[[Discretisation], int], ...] = (
 
 
 def _offset(points: ContactPoints, first: int, supports: Ints) -> ContactPoints:
-    """Points of a plate with indices into the joined arrays, in which its elements begin at ``first``."""
+    """Points of one plate with indices into the joined arrays, in which the plate's elements begin at ``first``.
+
+    ``supports`` are the indices of the plate's supports in the whole model.
+    """
     rows, further = points.rows, points.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
     moved = Rows(rows.elements + first, rows.coefficients, beyond)
@@ -188,7 +192,7 @@ def _offset_shared(points: ContactPoints, first: int) -> ContactPoints:
 
 
 def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
-    """Contact points between two plates with element indices of the joined arrays."""
+    """Contact points between two plates, with element indices of the joined arrays."""
     points, (upper, lower) = joint.points, joint.rows(first)
     moved = Further(upper.further.owners, upper.further.elements + first[joint.upper], upper.further.coefficients)
     rows = Rows(upper.elements + first[joint.upper], upper.coefficients, moved)
@@ -218,7 +222,7 @@ def _held(each: Sequence[Held], nodes: Ints, elements: Ints, supports: Sequence[
 
 
 def _stress_nodes(mesh: Mesh, each: Sequence[StressNodes], nodes: Ints, elements: Ints) -> StressNodes:
-    """Stress nodes of all plates: all mesh nodes, followed by the further nodes of each plate."""
+    """Stress nodes of all plates joined: all mesh nodes, followed by the further nodes of each plate."""
     places = _of_stress(each, nodes)
     return StressNodes(
         mesh,
@@ -230,7 +234,7 @@ def _stress_nodes(mesh: Mesh, each: Sequence[StressNodes], nodes: Ints, elements
 
 
 def _of_stress(each: Sequence[StressNodes], nodes: Ints) -> list[Ints]:
-    """Indices of each plate's stress nodes among those of all plates."""
+    """For each plate, the indices of its stress nodes in the joined stress nodes."""
     further = nodes[-1] + np.cumsum([0, *(len(stress_nodes.further) for stress_nodes in each)])
     return [
         np.concatenate([np.arange(a, b), np.arange(c, d)])
@@ -276,7 +280,7 @@ def _plate_stiffness(each: Sequence[PlateStiffness]) -> PlateStiffness:
 
 
 class CasesOfPlates(Cases):
-    """Load cases of several plates, by name."""
+    """Load cases of several plates by name."""
 
     def __init__(self, each: Sequence[Discretisation]) -> None:
         self._each = each
@@ -289,15 +293,15 @@ class CasesOfPlates(Cases):
         return CaseLoad.join([plate.load_of(case) for plate in self._each])
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names."""
+        """Iterate over the names of the load cases."""
         return iter(self._names)
 
     def __len__(self) -> int:
-        """Count the cases."""
+        """Return the number of load cases."""
         return len(self._names)
 
     def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
-        """Yield wheels' prints partly off a plate, as `Cases.partly_off`."""
+        """Yield wheels whose footprints are partly off a plate, in the form of `Cases.partly_off`."""
         for plate in self._each:
             yield from plate.cases.partly_off()
 
@@ -309,7 +313,7 @@ def _of_whole(
     index: int,
     whole: Discretisation,
 ) -> OfWhole:
-    """Member ``index`` of the joined plates; contacts with other plates become supports of this plate alone."""
+    """Member with index ``index`` of the joined plates; contacts with other plates become supports of its own model."""
     plate, numbers = each[index], parts[index].numbers["support"]
     nodes, elements, springs, contacts, redundant = (np.cumsum([0, *map(count, each)]) for count in _COUNTS)
     tables, places = [plate.contacts], [np.arange(contacts[index], contacts[index + 1])]
@@ -354,7 +358,7 @@ def _of_whole(
 
 
 def _deflection_at(mesh: Mesh, other: Mesh) -> csr_array:
-    """Matrix (n, n') that interpolates deflections (n',) of the other plate at this plate's nodes (n,); 0 off it."""
+    """Matrix (n, n') that interpolates deflections (n',) of ``other`` at nodes (n,) of ``mesh``; 0 off ``other``."""
     where = other.locate(mesh.points)
     (inside,) = np.nonzero(where.inside)
     values = other.shape_functions(where.elements[inside], where.xi[inside])

@@ -1,4 +1,4 @@
-"""The table of points of supports, and their grouping by support."""
+"""The table of points of supports, and the grouping of these points by support."""
 
 from __future__ import annotations
 
@@ -24,11 +24,12 @@ class ContactPoints(Table, Brief):
     ``tightened_to`` (m,) is the reaction to which bolts were last tightened. ``preload`` (m,) is the reaction of every
     point when all bolts are tightened and no other load acts. Both are 0 where no bolt is tightened.
 
-    ``direction`` (m,) is +1 where the support pushes the plate up, −1 where it holds it down; then the row has the
-    opposite sign. ``slope`` (m,) marks two-sided points that hold a slope. ``positions`` (m, 2) and ``weights`` (m,)
-    (1, length or area) are those of the quadrature. ``support`` (m,) is the index of the support, ``numbers`` (m,) the
-    point's number among its support's points, from 0; 0 along lines and on areas. ``shared`` (m, 4) are the elements
-    whose area an averaged point represents in part, filled with −1.
+    ``direction`` (m,) is +1 where the support pushes the plate up; −1 where the support holds the plate down, and the
+    row has the opposite sign. ``slope`` (m,) marks two-sided points that hold a slope. ``positions`` (m, 2) and
+    ``weights`` (m,) (1, length or area) are those of the quadrature points. ``support`` (m,) is the index of the
+    support, ``numbers`` (m,) the point's number among its support's points, from 0; 0 along lines and on areas.
+    ``shared`` (m, 4) are the elements whose area a point that acts on element means represents in part; unused entries
+    are −1.
     """
 
     rows: Rows
@@ -50,7 +51,7 @@ class ContactPoints(Table, Brief):
 
     @classmethod
     def none(cls) -> Self:
-        """The empty table."""
+        """The table without points."""
         zeros, ids = np.zeros(0), np.zeros(0, np.int64)
         flags, place = np.zeros(0, np.bool_), np.zeros((0, 2))
         shared = np.zeros((0, 4), np.int64)
@@ -69,7 +70,7 @@ class ContactPoints(Table, Brief):
         shared: Ints,
         numbers: Ints,
     ) -> Self:
-        """Table of points with the laws ``graphs``; no bolt is tightened."""
+        """Table of points with the laws ``graphs``, none of which is a tightened bolt."""
         direction, distance, settlement, law, scale, unit, laws = graphs
         none, ways = np.zeros(len(rows)), np.full(len(rows), direction)
         of_law = distance, settlement, none, none, law, scale, unit, ways
@@ -77,37 +78,37 @@ class ContactPoints(Table, Brief):
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Concatenate tables; equal laws share one index."""
+        """Concatenate tables; laws that occur in several tables share one index."""
         laws = tuple(dict.fromkeys(law for part in parts for law in part.laws))
         numbers = [np.array([laws.index(law) for law in part.laws], np.int64)[part.law] for part in parts]
         return super().join([replace(part, law=law, laws=laws) for part, law in zip(parts, numbers, strict=True)])
 
     @cached_property
     def compliance(self) -> Floats:
-        """C (m,), the least compliance of each law, travel over force; 0 where it is rigid."""
+        """Compliance C (m,), travel over force, on the stiffest piece of each point's law; 0 if this piece is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.unit / (self.scale * slope))
 
     @cached_property
     def stiffness(self) -> Floats:
-        """1/C (m,), the largest slope of each law, force over travel; infinite where it is rigid."""
+        """Stiffness 1/C (m,), force over travel, on the stiffest piece of each point's law; infinite if it is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.scale * slope / self.unit)
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
-        """Elements, coefficients and owners of rows, stiffness and distance, as `_core` takes springs."""
+        """Elements, coefficients and row indices of rows, then stiffness and distance, as `_core` takes springs."""
         return *self.rows.arrays, self.stiffness, self.distance
 
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
-        """Least and largest reaction (m,) of points; infinite if unlimited."""
+        """Least and largest reaction (m,) of the points; infinite if unlimited."""
         least, most = np.array([law.forces for law in self.laws])[self.law].T
         return self.scale * least, self.scale * most
 
     @cached_property
     def limits_at_rest(self) -> tuple[Floats, Floats]:
-        """Least and largest reaction (m,) at zero travel, within which rigid points can share a load."""
+        """Least and largest reaction (m,) at zero travel: the range within which rigid points can share a load."""
         least, most = np.array([law.at_rest for law in self.laws])[self.law].T
         return self.scale * least, self.scale * most
 
@@ -121,26 +122,26 @@ class ContactPoints(Table, Brief):
         return np.asarray(((slopes == 0.0) & (forces != 0.0) & ends)[self.law, pieces])
 
     def open_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether points (..., m) are open: the piece of the law has slope 0 and no force."""
+        """Whether points (..., m) are open: the given piece of the law has slope 0 and zero force."""
         slopes, forces, _, _ = self._pieces
         return np.asarray(((slopes == 0.0) & (forces == 0.0))[self.law, pieces])
 
     def flat_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether the piece of the law of each point (..., m) has slope 0."""
+        """Whether the given pieces (..., m) of the points' laws have slope 0."""
         return np.asarray((self._pieces[0] == 0.0)[self.law, pieces])
 
     def forces_on(self, pieces: Ints | Pieces) -> Floats:
-        """Forces (..., m) of points on pieces of slope 0 of their laws."""
+        """Forces (..., m) of points on the given pieces of their laws, which have slope 0."""
         return np.asarray(self.scale * self._pieces[1][self.law, pieces])
 
     def range_on(self, pieces: Ints | Pieces) -> tuple[Floats, Floats]:
-        """Least and largest force (..., m) of points on given pieces of their laws."""
+        """Least and largest force (..., m) on the given pieces of the points' laws."""
         ranges = self._pieces[3][self.law, pieces]
         return self.scale * ranges[..., 0], self.scale * ranges[..., 1]
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Slope, force at the corner, and whether first or last, of pieces (laws, p); ranges of force (laws, p, 2)."""
+        """Pieces (laws, p) of all laws: slope, force at the corner, first or last; ranges of force (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
@@ -152,13 +153,16 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def by_law(self) -> tuple[tuple[Law, Ints | slice], ...]:
-        """Each law in use with the indices (k,) of its points."""
+        """Each law that occurs, with the indices (k,) of the points that have this law."""
         if (self.law[:1] == self.law).all():
             return ((self.laws[self.law[0]], slice(None)),) if len(self) else ()
         return tuple((self.laws[number], np.flatnonzero(self.law == number)) for number in np.unique(self.law))
 
     def room(self, travel: Floats, reaction: Floats) -> tuple[Floats, Floats]:
-        """Distances (m,) that points can travel backward and forward from a travel without a change of reaction."""
+        """Distances (m,) by which each point can travel backward, and forward, without a change of its reaction.
+
+        They start at ``travel``, on the piece that contains ``reaction``.
+        """
         backward, forward = np.zeros(len(self)), np.zeros(len(self))
         for law, points in self.by_law:
             low, high = law.travels(np.clip(reaction[points] / self.scale[points], *law.forces))
@@ -179,27 +183,30 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def two_sided(self) -> Bools:
-        """Whether points (m,) have a straight law, Gu − Cλ = g: they neither let go nor yield."""
+        """Whether each point (m,) has a straight law, Gu − Cλ = g, and so neither lets go nor yields."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
 
     @cached_property
     def equations(self) -> Bools:
-        """Whether points (m,) are constraints Gu = g: a straight law with C = 0. They may be linearly dependent."""
+        """Whether each point (m,) is a constraint Gu = g: a straight law with C = 0.
+
+        The rows of these points may be linearly dependent.
+        """
         return np.asarray(self.two_sided & (self.compliance == 0.0))
 
     @cached_property
     def holds_both_ways(self) -> Bools:
-        """Whether points (m,) have forces without limit in both directions."""
+        """Whether points (m,) have forces in both directions without a limit."""
         return np.asarray((self.limits[0] == -np.inf) & (self.limits[1] == np.inf))
 
     @cached_property
     def unyielding(self) -> Bools:
-        """Whether the last piece of each point's law (m,) is rigid."""
+        """Whether the last piece of each point's law (m,) is rigid, with infinite slope."""
         return np.isinf([law.ends[1] for law in self.laws])[self.law]
 
     @cached_property
     def rigid_ways(self) -> tuple[Bools, Bools]:
-        """Whether points (m,) rigidly resist motion down, and motion up: rigid ends of their laws."""
+        """Whether each point (m,) resists motion down rigidly, and motion up: its law ends with a rigid piece."""
         before, beyond = np.isinf([law.ends for law in self.laws])[self.law].T
         pushes_up = self.direction > 0.0
         return np.where(pushes_up, beyond, before), np.where(pushes_up, before, beyond)
@@ -214,9 +221,10 @@ class ContactPoints(Table, Brief):
 class Parts:
     """Indices of one support's nodes, springs and contact points.
 
-    ``nodes`` (h,) are nodes at which it holds the deflection, ``springs`` (s,) its springs, except on slopes. ``rows``
-    (1, c) or (2, c) are its contact points, except on slopes; with a gap in both directions, row 0 has the points that
-    push up, row 1 those that hold down. ``order`` (h + s + c,) sorts nodes, springs and contact points as in the input.
+    ``nodes`` (h,) are the nodes at which the support holds the deflection, ``springs`` (s,) its springs, except springs
+    on slopes. ``rows`` (1, c) or (2, c) are its contact points, except points on slopes; with a gap in both directions,
+    row 0 has the points that push up, row 1 the points that hold down. ``order`` (h + s + c,) sorts nodes, springs and
+    contact points as in the input.
     """
 
     nodes: Ints
@@ -228,7 +236,7 @@ class Parts:
 def parts_of(
     count: int, nodes: Ints, held: ContactPoints, springs: ContactPoints, points: ContactPoints
 ) -> tuple[Parts, ...]:
-    """Group ``held`` points (k,) at ``nodes`` (k,), springs and contact points by one of ``count`` supports."""
+    """The `Parts` of each of ``count`` supports: ``held`` points (k,) at ``nodes`` (k,), springs, contact points."""
     columns = zip(
         _grouped(held.support, count),
         _grouped(np.where(springs.slope, count, springs.support), count),
@@ -246,6 +254,6 @@ def parts_of(
 
 
 def _grouped(owner: Ints, count: int) -> list[Ints]:
-    """Indices of the entries of each of ``count`` owners; entries of other owners are left out."""
+    """For each of ``count`` owners, the indices of the entries that it owns; entries of other owners are left out."""
     order = np.argsort(owner, kind="stable")
     return np.split(order, np.searchsorted(owner[order], np.arange(1, count + 1)))[:count]

@@ -1,4 +1,4 @@
-"""Groups of bolts that are tightened together, their forces, and the check of these forces."""
+"""Groups of bolts that are tightened together, their forces, and checks of these forces."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def bolt_groups(
 def require_preloads(
     model: Model, mesh: Mesh, contacts: ContactPoints, repeated: Repeated, problems: Problems, between: bool = False
 ) -> None:
-    """Refuse forces above the strength of bolts, and bolts where rigid supports hold the plate.
+    """Refuse forces above the strength of the bolts, and bolts where rigid supports hold the plate.
 
-    ``between`` selects the bolts between two plates; otherwise those of one plate.
+    With ``between``, bolts between two plates are checked, otherwise bolts of one plate.
     """
     followed = np.zeros(len(contacts), np.bool_)
     followed[repeated.follows.indices] = True
@@ -68,7 +68,7 @@ def require_preloads(
 
 
 def _require_free(model: Model, index: int, numbers: Ints) -> None:
-    """Refuse a support with a bolt that has no contact point; ``numbers`` are the points that have one."""
+    """Refuse a support with a bolt that has no contact point; ``numbers`` are the bolts that have one."""
     support = model.support[index]
     key = "at" if support.nodes is None else "nodes"
     for number in range(support.point_count):
@@ -81,7 +81,7 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
 
 
 def _factors(model: Model, bolt_round: Tightening, place: Place) -> Iterator[tuple[float, Place]]:
-    """Yield each factor of the forces of a round with its place in the input."""
+    """Yield each factor by which combinations multiply the forces of a round, with its place in the input."""
     yield 1.0, place
     if bolt_round.case is not None:
         for number, combination in enumerate(model.combination):

@@ -1,4 +1,4 @@
-"""Redundant contact points: their rows are linear combinations of other rows."""
+"""Redundant contact points, whose rows are linear combinations of other contact points' rows."""
 
 from __future__ import annotations
 
@@ -17,31 +17,33 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 
 SAME = 1e-12
-"""Zero tolerance for entries of unit rows. Their rounding is 1e-15; rows of two points 1e-9 of an element apart differ
-by 1e-9."""
+"""Zero tolerance for entries of rows of unit length.
+
+Entries have rounding errors of 1e-15; rows of two points 1e-9 of an element apart differ by 1e-9.
+"""
 _CLEAR = 1e-10
-"""Least pivot of G Gᵀ that shows rows G of unit length to be independent beyond rounding."""
+"""Least pivot in the elimination of G Gᵀ, with rows G of unit length, at which the rows count as independent."""
 _MOST = 10_000
-"""Largest number of rigid two-sided points between nodes: the search for dependent rows uses a dense matrix."""
+"""Largest number of rigid two-sided points between nodes; dependent rows are found with a dense matrix."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followers:
-    """Dependent rows (r,) of g rows: row i is the sum of ``combinations`` (r, g) times the independent rows."""
+    """Dependent rows (r,) of g rows: row i is the sum of the independent rows times ``combinations[i]`` (g,)."""
 
     rows: Ints
     combinations: csr_array
 
     @property
     def ties(self) -> csr_array:
-        """Independent combinations (r, g) of rows whose sum is zero."""
+        """Independent combinations (r, g) of the g rows; the sum of the rows in each combination is zero."""
         count = len(self.rows)
         own = csr_array((np.ones(count), (np.arange(count), self.rows)), shape=self.combinations.shape)
         return csr_array(own - self.combinations)
 
 
 def within(rows: csr_array, dofs: Bools) -> csr_array:
-    """Rows restricted to the marked dofs; entries within rounding are removed."""
+    """Rows restricted to the dofs marked in ``dofs``; entries within rounding are removed."""
     rows = csr_array(rows, copy=True)
     rows.data[~dofs[rows.indices] | (np.abs(rows.data) <= SAME)] = 0.0
     rows.eliminate_zeros()
@@ -49,20 +51,20 @@ def within(rows: csr_array, dofs: Bools) -> csr_array:
 
 
 def lengths(rows: csr_array) -> Floats:
-    """Euclidean norms (m,) of rows."""
+    """Euclidean norm (m,) of each row."""
     return np.asarray(np.sqrt(rows.multiply(rows).sum(axis=1)))
 
 
 def times(rows: csr_array, factor: Floats) -> csr_array:
-    """Rows, each multiplied by its factor (m,)."""
+    """Rows, each multiplied by its entry of ``factor`` (m,)."""
     out = csr_array(rows, copy=True)
     out.data *= np.repeat(factor, np.diff(out.indptr))
     return out
 
 
 def parallel(rows: csr_array) -> tuple[Ints, Floats]:
-    """Index (m,) of each row's direction, the same for parallel rows, and the signed norm (m,) along that direction."""
-    # Rows of unit length are parallel if their products with two random vectors are equal up to the sign.
+    """Index (m,) of each row's direction, which parallel rows share, and signed norm (m,) of the row along it."""
+    # Unit rows are parallel if their products with two random vectors are equal up to a common sign.
     fields = np.random.default_rng(0).normal(size=(rows.shape[1], 2))
     length = lengths(rows)
     said = (rows @ fields) / length[:, None]
@@ -76,7 +78,7 @@ def parallel(rows: csr_array) -> tuple[Ints, Floats]:
 
 
 def followers(rows: csr_array) -> Followers:
-    """Find the rows among unit rows (g, n) that are linear combinations of others up to rounding.
+    """Find the rows among unit rows (g, n) that are, up to rounding, linear combinations of other rows.
 
     Examples
     --------
@@ -96,7 +98,7 @@ def followers(rows: csr_array) -> Followers:
     here = rows[some]
     products = csr_array(here @ here.T)
     if len(some) and not _clearly_independent(products):
-        # scipy.linalg takes time to import, and few plates have such rows.
+        # scipy.linalg takes time to import, and few plates have rows that may be dependent.
         from scipy.linalg import qr, solve_triangular
 
         near = products.tocoo()
@@ -117,7 +119,10 @@ def followers(rows: csr_array) -> Followers:
 
 
 def _entangled(rows: csr_array) -> Ints:
-    """Indices of the rows that remain after repeated removal of rows with a dof that no other row has."""
+    """Indices of the rows that may be dependent.
+
+    Rows with a dof that no other row has are removed, repeatedly.
+    """
     pattern = csr_array((np.ones(rows.nnz), rows.indices, rows.indptr), shape=rows.shape)
     some = np.arange(rows.shape[0])
     while len(some):
@@ -131,7 +136,7 @@ def _entangled(rows: csr_array) -> Ints:
 
 
 def _clearly_independent(products: csr_array) -> bool:
-    """Whether rows are independent: every pivot of their products G Gᵀ is far above rounding."""
+    """Whether rows G are independent: in elimination, every pivot of ``products`` G Gᵀ is far above rounding."""
     from scipy.sparse.linalg import splu
 
     try:
@@ -146,15 +151,15 @@ def _clearly_independent(products: csr_array) -> bool:
 class Repeated:
     """Redundant points (r,): rigid two-sided points whose rows depend on those of the contact points.
 
-    Only contact points have reactions in the equations. ``follows`` (r, m) gives each redundant row as a combination of
-    the rows of contact points.
+    In the equations, only contact points have reactions. ``follows`` (r, m) gives each redundant row as a linear
+    combination of the rows of contact points.
     """
 
     points: ContactPoints
     follows: csr_array
 
     def __len__(self) -> int:
-        """Count the points."""
+        """Return the number of redundant points."""
         return len(self.points)
 
 
@@ -170,8 +175,8 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     """Return the contact points that can act, and the redundant points, whose equations depend on others.
 
     Points whose dofs are all held are left out. So are dependent slopes, and points of a line or area that depend on
-    others of the same support: results do not show their reactions. Rigid points at one place with different
-    deflections are refused.
+    other points of the same support: results do not show their reactions. Rigid points at one place that prescribe
+    different deflections are refused.
     """
     contacts = contacts.pick(not_held(mesh, held, contacts))
     _require_agreement(mesh, held, contacts)
@@ -199,7 +204,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
         raise contradiction(points.positions[row], mesh.size, others[0], points.support[row], float(beyond[first]))
     stay = np.ones(len(contacts), np.bool_)
     stay[equations[result.rows]] = False
-    # The combination is of unit rows; reactions refer to rows of the original length.
+    # ``combinations`` refers to unit rows; reactions refer to rows of the original length.
     follows = result.combinations.tocoo()
     which, of = follows.coords
     place = (np.cumsum(stay) - 1)[equations[of]]
@@ -227,7 +232,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
     result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
-        # Results do not show how reactions are shared within one line or area.
+        # Within one line or area, results do not show the reactions of single points.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
             continue
         groups, own = np.unique(group[mine], return_inverse=True)
@@ -243,7 +248,10 @@ def _over_dofs(mesh: Mesh, held: Held, points: ContactPoints) -> csr_array:
 
 
 def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:
-    """Mask of redundant points whose reactions are shown: listed points, and those that depend on another support."""
+    """Mask (r,) of redundant points whose reactions are shown.
+
+    They are the points that the input lists, and points whose rows depend on points of another support.
+    """
     mine = repeated.points.support
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[mine]
     owner, of = repeated.follows.nonzero()
@@ -253,12 +261,12 @@ def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools
 
 
 def _moves(rows: csr_array, held: Held) -> Bools:
-    """Mask of rows (m,) with an entry at a dof that is not held."""
+    """Mask (m,) of rows with a nonzero entry at a free dof."""
     return np.asarray((abs(rows) > SAME) @ ~held.dofs)
 
 
 def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
-    """Indices of the points (k,) that can act: those with a free dof, and compliant ones that held dofs press."""
+    """Indices (k,) of the points that can act: points with a free dof, and compliant points that held dofs press."""
     if not held.dofs.any():
         return np.arange(len(contacts))
     rows = _over_dofs(mesh, held, contacts)
@@ -274,14 +282,14 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # Where a point is pressed, the point of the opposite direction is kept too.
+    # If a point is pressed, the point of the opposite direction at the same place is kept too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))
 
 
 def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
-    """Tolerance (m,) for equal deflections, or slopes, at points."""
+    """Tolerance (m,) for equal deflections at points, or for equal slopes at points that hold a slope."""
     by_length = np.where(contacts.slope, mesh.size, 1.0)
     at_nodes = np.abs(held.values.reshape(-1, 3) * [1.0, mesh.size, mesh.size]).max()
     rigid = contacts.compliance == 0
@@ -290,7 +298,7 @@ def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
 
 
 def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
-    """Refuse rigid points with parallel rows if one requires a larger deflection than another allows."""
+    """Refuse rigid points with parallel rows if one point requires a larger deflection than another point allows."""
     rigid = contacts.pick(contacts.compliance == 0)
     if not len(rigid):
         return
@@ -315,7 +323,7 @@ def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
 
 
 def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
-    """Refuse rigid points and lines on a rigid area that prescribe another deflection there than the area does."""
+    """Refuse rigid points and lines on a rigid area if they prescribe a deflection that the area excludes."""
     on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
     rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
     points = ContactPoints.join([held.points, rigid.pick(on_nodes[rigid.support])])

@@ -17,12 +17,15 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Pieces = npt.NDArray[np.uint8]
 RANK = 1e-9
-"""Rank tolerance for rows over rigid motions of unit deflection, relative to max(σ₁, 1)."""
+"""Rank tolerance for products of rows with rigid motions of unit deflection, relative to max(σ₁, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Further:
-    """Terms (q,) of rows in further elements: index of the row, ``owners``, ascending; coefficients (q, 24)."""
+    """Terms (q,) of rows in elements other than the row's first element.
+
+    ``owners`` are the indices of the rows, ascending; ``coefficients`` (q, 24) belong to the dofs of ``elements`` (q,).
+    """
 
     owners: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     elements: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -31,9 +34,9 @@ class Further:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Rows of G: coefficients (m, 24) over the dofs of elements (m,), in nodal axes; ``further`` has additional terms.
+    """Rows of G: coefficients (m, 24) over the dofs of elements (m,), in nodal axes.
 
-    A dof occurs in a row at most once.
+    ``further`` has the terms in other elements. A dof occurs in a row at most once.
     """
 
     elements: Ints
@@ -41,7 +44,7 @@ class Rows:
     further: Further = field(default_factory=Further)
 
     def __len__(self) -> int:
-        """Count the rows."""
+        """Return the number of rows."""
         return len(self.elements)
 
     def __getitem__(self, which: npt.NDArray[np.generic]) -> Rows:
@@ -58,12 +61,15 @@ class Rows:
         return Rows(*first_elements, Further(owners, further.elements[entries], further.coefficients[entries]))
 
     def __neg__(self) -> Rows:
-        """Negate the rows."""
+        """Multiply the rows by −1."""
         further = self.further
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
     def slope_along(self, along: Floats, other: Rows) -> Rows:
-        """Rows of the slope along unit directions (m, 2) from rows of θx (self) and θy in the same elements."""
+        """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and θy (``other``).
+
+        Both are in the same elements.
+        """
         further, beyond = self.further, along[self.further.owners]
         coefficients, further_coefficients = (
             axes[:, :1] * x + axes[:, 1:] * y
@@ -78,13 +84,13 @@ class Rows:
     def summed(cls, owners: Ints, elements: Ints, values: Floats, nodes: Ints) -> Rows:
         """Sum terms with coefficients ``values`` (k, 24) over elements (k,) into rows ``owners`` (k,).
 
-        Every row has at least one term. ``nodes`` (ne, 8) are those of the mesh's elements.
+        Every row has at least one term. ``nodes`` (ne, 8) are the nodes of the mesh's elements.
         """
         pairs, which = np.unique(np.column_stack([owners, elements]), axis=0, return_inverse=True)
         owner, element = pairs.T
         sums = np.zeros((len(pairs), 24))
         np.add.at(sums, which.ravel(), values)
-        # The terms of a node in several elements are summed in the first one, so that each dof occurs once.
+        # If a node occurs in several elements, its terms are summed in the first of them, so that each dof occurs once.
         rows_and_nodes = np.column_stack([np.repeat(owner, 8), nodes[element].ravel()])
         _, first, node = np.unique(rows_and_nodes, axis=0, return_index=True, return_inverse=True)
         gathered, parts = np.zeros((8 * len(pairs), 3)), sums.reshape(-1, 3)
@@ -94,7 +100,7 @@ class Rows:
         return cls(element[leads], coefficients[leads], Further(owner[~leads], element[~leads], coefficients[~leads]))
 
     def extended(self, others: Rows, first: int) -> Rows:
-        """Add the terms of ``others``, row by row; element indices of ``others`` are increased by ``first``."""
+        """Add the terms of ``others``, row by row; ``first`` is added to the element indices of ``others``."""
         of_first, further = self.further, others.further
         owners = np.concatenate([of_first.owners, np.arange(len(others)), further.owners])
         order = np.argsort(owners, kind="stable")
@@ -103,7 +109,7 @@ class Rows:
         return Rows(self.elements, self.coefficients, Further(owners[order], elements, coefficients))
 
     def split(self, first: int) -> tuple[Rows, Rows]:
-        """Invert `extended`: rows of the terms in elements below ``first``, and rows of the other terms."""
+        """Undo `extended`: return rows of the terms in elements below ``first``, and rows of the other terms."""
         further = self.further
         second = further.elements >= first
         of_first = Further(further.owners[~second], further.elements[~second], further.coefficients[~second])
@@ -114,7 +120,7 @@ class Rows:
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints]:
-        """Elements (m + q,), coefficients (m + q, 24), row indices (q,) of the last q terms, as `_core` takes them."""
+        """Elements (m + q,), coefficients (m + q, 24), and rows (q,) of the last q terms, as `_core` takes them."""
         further = self.further
         if not len(further.owners):
             return self.elements, self.coefficients, further.owners
@@ -125,12 +131,12 @@ class Rows:
         )
 
     def dofs(self, elements: Ints) -> Ints:
-        """Dofs (m + q, 24) of the coefficients in `arrays`; ``elements`` (ne, 8) are those of the mesh."""
+        """Dofs (m + q, 24) of the coefficients in `arrays`; ``elements`` (ne, 8) are the nodes of all elements."""
         nodes = elements[self.arrays[0]]
         return np.asarray((3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), 24))
 
     def dot(self, elements: Ints, vector: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return G u (m,) for a nodal vector u (3n,), in the precision of u."""
+        """Return G u (m,) for a nodal vector u (3n,), computed in the precision of u."""
         products = (self.arrays[1].astype(vector.dtype) * vector[self.dofs(elements)]).sum(axis=1)
         np.add.at(products, self.further.owners, products[len(self) :])
         return np.asarray(products[: len(self)])
@@ -148,7 +154,7 @@ class Rows:
 
     @staticmethod
     def at_nodes(elements: Ints, nodes: Ints) -> Rows:
-        """Rows of the deflection at nodes (k,) of elements (ne, 8)."""
+        """Rows of the deflection at the nodes ``nodes`` (k,); ``elements`` (ne, 8) are the nodes of all elements."""
         known, first = np.unique(elements, return_index=True)
         own, local = np.divmod(first[np.searchsorted(known, nodes)], 8)
         coefficients = np.zeros((len(nodes), 24))
@@ -157,7 +163,7 @@ class Rows:
 
     @staticmethod
     def join(parts: Sequence[Rows]) -> Rows:
-        """Concatenate rows."""
+        """Concatenate rows, and their terms in further elements."""
         starts = np.cumsum([0, *(len(part) for part in parts)])
         further = [part.further for part in parts]
         return Rows(
@@ -172,7 +178,7 @@ class Rows:
 
 
 def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> csr_array:
-    # Rows of a deflection use a third of the columns only.
+    # Rows of a deflection have nonzero entries in a third of the columns only.
     columns = np.flatnonzero(coefficients.any(axis=0))
     dofs: npt.NDArray[Any] = 3 * elements.take(columns // 3, axis=1) + columns % 3
     starts: npt.NDArray[Any] = len(columns) * np.arange(len(owners) + 1)
@@ -186,7 +192,7 @@ def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> cs
 
 
 def interpolated(mesh: Mesh, frames: Floats | None, elements: Ints, xi: Floats, field: int) -> Rows:
-    """Rows of w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,).
+    """Rows of w, θx or θy (``field`` 0, 1, 2) at reference points (q, 2) of elements (q,).
 
     Nodal values are interpolated by the element's shape functions, as in results.
     """
@@ -203,21 +209,24 @@ def interpolated(mesh: Mesh, frames: Floats | None, elements: Ints, xi: Floats, 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A table: fields that are arrays or `Rows` are columns of equal length; other fields hold for the whole table."""
+    """Base class of tables: fields that are arrays or `Rows` are columns of equal length.
+
+    Other fields apply to the whole table.
+    """
 
     def __len__(self) -> int:
-        """Count the rows."""
+        """Return the number of rows of the table."""
         return len(getattr(self, fields(self)[0].name))
 
     def pick(self, which: Bools | Ints) -> Self:
-        """Select rows; no copy is made where a mask selects all."""
+        """Select rows of the table; no copy is made if a mask selects all rows."""
         if which.dtype == np.bool_ and which.all():
             return self
         return replace(self, **{name: getattr(self, name)[which] for name in self._columns()})
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Concatenate tables; no copy is made where only one has rows."""
+        """Concatenate tables; no copy is made if only one table has rows."""
         filled = [part for part in parts if len(part)]
         if len(filled) == 1:
             return filled[0]
@@ -235,6 +244,6 @@ def null_space(rows: Floats, rounding: float = RANK) -> Floats:
     """Basis (n, k) of the null space of rows (m, n); the rank tolerance is relative to max(σ₁, 1)."""
     if not len(rows):
         return np.eye(rows.shape[1])
-    # R of QR has the singular values of the rows and is small.
+    # R of the QR factorization has the same singular values as the rows, but is small.
     _, values, basis = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return np.asarray(basis[int((values > rounding * values.max(initial=1.0)).sum()) :].T)

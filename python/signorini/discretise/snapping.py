@@ -21,7 +21,10 @@ from signorini.shapes.extent import Tolerances, diameter
 from signorini.shapes.outlines import Point
 
 _PASSES = 8
-"""Largest number of passes over all items. Each pass moves the targets too; the distances converge quadratically."""
+"""Largest number of passes over all items.
+
+Each pass moves the targets too; the distances converge quadratically.
+"""
 
 _Item: TypeAlias = Support | Zone | Load
 _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
@@ -30,9 +33,9 @@ _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
 class Snapped(NamedTuple):
     """A point, corner, circle or rectangle that was moved.
 
-    ``what`` is its path in the input, such as ``support[2].line[1]``. ``begin`` and ``end`` are its coordinates before
-    and after the move: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1]. ``onto`` names the
-    target: an edge of the plate or a path in the input.
+    ``what`` is the path of this item in the input, such as ``support[2].line[1]``. ``begin`` and ``end`` are its
+    coordinates before and after the move: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1].
+    ``onto`` names the target: an edge of the plate or a path in the input.
     """
 
     what: str
@@ -42,7 +45,7 @@ class Snapped(NamedTuple):
 
 
 class _Target(NamedTuple):
-    """Geometry that items snap to: corners, sides, and circles (m, 3) as x, y, radius."""
+    """Geometry onto which items are moved: corners, sides, and circles (m, 3) as x, y, radius."""
 
     name: str
     corners: Targets
@@ -80,9 +83,9 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
 
 
 def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
-    """Edges of the plate as targets, one for each name, and the plate's diameter."""
+    """Edges of the plate as targets, one target for each name, and the plate's diameter."""
     if not isinstance(model.plate, OutlinedPlate):
-        assert mesh is not None  # a plate from a file
+        assert mesh is not None  # This plate is read from a file.
         nodes = mesh.points[mesh.boundary]
         corners, sides = Targets.of(nodes[:, 0].tolist()), Sides(nodes, model.mesh.snap)
         return [_Target("boundary", corners, sides, np.zeros((0, 3)))], mesh.diameter
@@ -97,7 +100,7 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
 
 
 def _target(path: Place, item: _Item) -> _Target:
-    """Corners, sides and circles of an item; empty if it is on edges of the plate."""
+    """Corners, sides and circles of an item; empty for an item on edges of the plate."""
     outline = item.where.outline
     corners = [
         *item.where.points,
@@ -108,7 +111,7 @@ def _target(path: Place, item: _Item) -> _Target:
 
 
 def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
-    """Indices of the earlier and of the later targets within reach of each item, even if both move."""
+    """For each item, the indices of earlier and of later targets within reach, even after both have moved."""
     drawn = [Targets.join([target.corners, target.sides]) for target in targets if isinstance(target.sides, Targets)]
     boxes = np.array([item.bounds if len(item.points) + len(item.arcs) else (np.inf,) * 4 for item in drawn])
     low, high = boxes[:, :2] - 4.0 * reach, boxes[:, 2:] + 4.0 * reach
@@ -121,7 +124,7 @@ def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
 
 @dataclass(frozen=True, eq=False)
 class _Snapper:
-    """Moves one item by at most ``reach``: onto the plate, earlier items (``before``), or sides of later ones.
+    """Moves one item by at most ``reach``: onto the plate, onto earlier items ``before``, or onto sides of later items.
 
     Later items are ``behind``. Moves up to ``same`` are not recorded in ``moved``.
     """
@@ -134,7 +137,7 @@ class _Snapper:
     moved: dict[Place, Snapped]
 
     def item(self, path: Place, item: _Item) -> _Item:
-        """Return the item at its new position."""
+        """Return the item with its new position."""
         moves: dict[str, Callable[[Place, Any], object]] = {
             "at": self._points,
             "line": self._line,
@@ -196,7 +199,10 @@ class _Snapper:
         return {"polygon": tuple(corners)} if corners else {}
 
     def _rectangle(self, path: Place, box: Box) -> Box:
-        """Move a rectangle, which stays one: each side follows the first of its corners that changes its coordinate."""
+        """Move the sides of a rectangle, which stays a rectangle.
+
+        Each side follows the first of its corners whose coordinate normal to the side changes.
+        """
         x0, y0, x1, y1 = box
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         result = [self._corner(coordinates) for coordinates in corners]
@@ -213,9 +219,9 @@ class _Snapper:
         return Circle.model_construct(center=(x, y), radius=radius)
 
     def _ring(self, path: Place, ring: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Snap a circle to the nearest circle of the plate or of earlier items.
+        """Move a circle onto the nearest circle of the plate or of earlier items.
 
-        The distance of two circles is that of their centres plus the difference of their radii.
+        The distance of two circles is the distance of their centres plus the difference of their radii.
         """
         circles = [
             (circle, target.name) for target in (*self.plate, *self.before) for circle in target.circles.tolist()
@@ -235,8 +241,8 @@ class _Snapper:
         return end
 
     def _corner(self, point: Point) -> tuple[Point, str]:
-        """Corner, else nearest position on a side, that a point moves onto; and the target's name."""
-        # A point near two edges of the plate moves into their corner.
+        """Corner onto which a point moves, or else the nearest position on a side; and the target's name."""
+        # A point near two edges of the plate moves into the corner between them.
         several = len(self._near(point, self.plate, "sides")) > 1
         corners = self._near(point, self.plate, "corners", math.sqrt(2.0) if several else 1.0)
         before = self._near(point, self.before, "corners")
@@ -246,7 +252,7 @@ class _Snapper:
         return place, name
 
     def _side(self, point: Point) -> tuple[Point, str]:
-        """Nearest position on a side in reach, and its target's name; the point and "" if no side is in reach."""
+        """Nearest position on a side within reach, and the target's name; the point and "" if no side is in reach."""
         free = [target for target in self.behind if not self._near(point, [target], "corners")]
         edges, others = self._near(point, self.plate, "sides"), self._near(point, [*self.before, *free], "sides")
         if not (edges or others):
@@ -257,7 +263,7 @@ class _Snapper:
     def _near(
         self, point: Point, targets: Iterable[_Target], attribute: Literal["corners", "sides"], reaches: float = 1.0
     ) -> list[tuple[float, Point, str]]:
-        """Distance, nearest position and name of each target with corners or sides in reach, times ``reaches``."""
+        """Distance, nearest position and name of each target with corners or sides within ``reaches`` × reach."""
         result = []
         for target in targets:
             (place,), (apart,) = getattr(target, attribute).nearest(np.array([point]))

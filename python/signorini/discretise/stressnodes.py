@@ -1,4 +1,4 @@
-"""Stress nodes, at which moments and shears are given; at a jump there is one node for each side."""
+"""Stress nodes, at which moments and shears are given; a mesh node on a jump has one stress node for each side."""
 
 from __future__ import annotations
 
@@ -18,28 +18,43 @@ from signorini.mesh.isoparametric import SIDES, real_sides
 from signorini.shapes import Region
 
 _BESIDE = 1e-3
-"""Distance from an element side at which the thickness beside it is taken, relative to that of the element's middle."""
+"""Distance from an element side at which the thickness beside the side is evaluated.
+
+It is relative to the distance of the element's middle.
+"""
 _INSIDE = 1e-6
-"""Distance from a node at which its thickness is taken, relative to that of the element's middle."""
+"""Distance from a node at which the thickness at the node is evaluated, relative to that of the element's middle."""
 _SAME = 1e-6
-"""Smallest relative jump of the thickness that counts as a step; extrapolation of a smooth thickness has less error."""
+"""Smallest jump of the thickness that counts as a step, relative to the thickness.
+
+Extrapolation of a smooth thickness has a smaller error.
+"""
 _ASIDE = 0.05
-"""Distance from an element side of points tested against an area, relative to that of the element's middle."""
+"""Distance from an element side of points that are tested against an area.
+
+It is relative to the distance of the element's middle from the side.
+"""
 _STATIONS = np.array([0.25, 0.75])
-"""Positions along a side, from 0 to 1, at which its two elements are compared; an outline across it differs at one."""
+"""Positions along a side, from 0 to 1, at which its two elements are compared.
+
+An outline along the side separates the two elements at both positions, an outline across the side at one.
+"""
 _ALIKE = 1e-9
-"""Relative tolerance for equal magnitudes on two sides of a jump: without it rounding would choose the side."""
+"""Relative tolerance for equal magnitudes on two sides of a jump.
+
+Without a tolerance, rounding would choose the side.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Pairs (k,) of a point and an element that contains it: index of the point, ascending, and location."""
+    """Pairs (k,) of a point and an element that contains the point: index of the point, ascending, and location."""
 
     point: Ints
     where: Location
 
     def larger(self, values: Floats) -> Floats:
-        """Value of largest magnitude (..., q, f) of each point, from the values (..., k, f) of its pairs.
+        """For each point, the value of largest magnitude (..., q, f) among the values (..., k, f) of its pairs.
 
         If two magnitudes are equal up to rounding, the positive value is taken.
         """
@@ -50,7 +65,7 @@ class Sides:
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
     def alike(self, values: Floats) -> Floats:
-        """Thickness (q,) of each point from the thickness (k,) of its pairs; NaN where it jumps."""
+        """Thickness (q,) at each point, from the thickness (k,) in its pairs; NaN where the thickness jumps."""
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
         high, low = (extreme.reduceat(values, first) for extreme in (np.maximum, np.minimum))
         return np.where(high - low <= _SAME * high, low, np.nan)
@@ -58,12 +73,12 @@ class Sides:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StressNodes(Remade):
-    """Nodes of moments and shears: the n nodes of the mesh, followed by d further ones on jumps, s = n + d.
+    """Nodes of moments and shears: the n nodes of the mesh, followed by d further nodes on jumps, s = n + d.
 
     A mesh node on a jump has one stress node for each side; ``further`` (d,) is the mesh node of each further node.
     ``around`` (k,) are the elements with further nodes, ``rows`` (k, 8) the stress nodes of these elements. Elements
-    marked in ``left_out`` (ne,) are excluded from extremes and colour scales: rigid ones, and those of zones with
-    ``extremes = false``.
+    marked in ``left_out`` (ne,) are excluded from extremes and colour scales: rigid elements, and elements of zones
+    with ``extremes = false``.
     """
 
     mesh: Mesh
@@ -74,7 +89,7 @@ class StressNodes(Remade):
 
     @classmethod
     def of_mesh(cls, mesh: Mesh) -> Self:
-        """Stress nodes of a mesh without jumps."""
+        """Stress nodes of a mesh without jumps, equal to the mesh nodes."""
         none = np.zeros(0, np.int64)
         return cls(mesh, none, none, np.zeros((0, 8), np.int64), np.zeros(len(mesh.elements), np.bool_))
 
@@ -92,12 +107,12 @@ class StressNodes(Remade):
 
     @cached_property
     def points(self) -> Floats:
-        """Positions (s, 2)."""
+        """Positions (s, 2) of the stress nodes."""
         return np.asarray(self.mesh.points[self.nodes])
 
     @cached_property
     def elements(self) -> Ints:
-        """Stress nodes (ne, 8) of the elements."""
+        """Stress nodes (ne, 8) of each element."""
         elements = self.mesh.elements
         if len(self.further):
             elements = elements.copy()
@@ -110,16 +125,16 @@ class StressNodes(Remade):
         return self.mesh.node_count + len(self.further)
 
     def spread(self, values: Floats) -> Floats:
-        """Values (s, ...) at stress nodes from values at mesh nodes (n, ...) or at stress nodes (s, ...)."""
+        """Values (s, ...) at stress nodes; the given values are at mesh nodes (n, ...) or at stress nodes (s, ...)."""
         return values if len(values) == self.count else np.asarray(values[self.nodes])
 
     def at(self, sides: Sides, values: Floats) -> Floats:
-        """Interpolate values (s, ...) at stress nodes to the k pairs of a point and an element: (k, ...)."""
+        """Values (k, ...) at k pairs of a point and an element, interpolated from values (s, ...) at stress nodes."""
         shapes = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
         return np.asarray(np.einsum("qi,qi...->q...", shapes, values[self.elements[sides.where.elements]]))
 
     def sides(self, positions: Floats, where: Location) -> Sides:
-        """Locate points (q, 2) in every element that contains them; ``where`` has one element of each point."""
+        """Locate points (q, 2) in every element that contains them; ``where`` locates each point in one element."""
         if not len(self.further):
             return Sides(np.arange(len(positions)), where)
         return Sides(*self.mesh.holding(positions))
@@ -128,7 +143,7 @@ class StressNodes(Remade):
 def stress_nodes_of(
     mesh: Mesh, zones: Zones, along: Iterable[Ints], areas: Sequence[Region], rigid: Bools
 ) -> StressNodes:
-    """Split nodes on jumps: elements around a node share a stress node if sides without a jump connect them.
+    """Split mesh nodes on jumps: elements around a node share a stress node if sides without a jump connect them.
 
     Moments and shears jump with the section, and at rigid elements (ne,). Shears jump along sides (k, 3) with a line
     force, and along the outlines of rigid areas. Moments jump along a line on which a support holds the slope.
@@ -153,7 +168,7 @@ def stress_nodes_of(
 
 
 def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
-    """Thickness (s,) at stress nodes; NaN where a section is given by its stiffness and has no stresses."""
+    """Thickness (s,) at stress nodes; NaN where a section is given by its stiffness, so that it has no stresses."""
     mesh = nodes.mesh
     if not zones.model.zone and zones.formulas[0].is_constant:
         solid = zones.model.plate.stiffness is None
@@ -167,20 +182,20 @@ def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
 
 
 def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
-    """Whether the section jumps between two elements, at pairs of their common sides (k, 2)."""
+    """Whether the section jumps between two elements, at pairs (k, 2): the same side seen from each element."""
     begin, end = mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4)
     elements, middle = pairs.ravel() // 4, 0.5 * (begin + end)
     nearer, farther = (
         _made(mesh, zones, elements, mesh.inward(elements, middle, 1.0 - part)) for part in (_BESIDE, 2.0 * _BESIDE)
     )
-    # Linear extrapolation to the side: exact for a linear thickness.
+    # Linear extrapolation to the side is exact for a linear thickness.
     thickness = (2.0 * nearer[0] - farther[0]).reshape(-1, 2)
     differs = np.abs(np.diff(thickness, axis=1)[:, 0]) > _SAME * thickness.max(axis=1)
     return np.asarray(differs | (np.diff(nearer[1].reshape(-1, 2), axis=1)[:, 0] != 0))
 
 
 def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
-    """Whether an area covers only one of two elements, at pairs of their common sides (k, 2)."""
+    """Whether an area covers only one of two elements, at pairs (k, 2): the same side seen from each element."""
     elements = np.repeat(pairs.ravel() // 4, 2)
     begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
     # The second element traverses the side in the opposite direction.
@@ -197,7 +212,10 @@ def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats,
 
 
 def _parted(stress_nodes: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
-    """Split nodes (j,): one stress node for each group of elements that sides without a jump, ``joined``, connect."""
+    """Split nodes (j,): one stress node for each group of elements around the node that ``joined`` sides connect.
+
+    ``joined`` are pairs of sides without a jump.
+    """
     mesh = stress_nodes.mesh
     count = mesh.node_count
     on_jump = np.zeros(count, np.bool_)

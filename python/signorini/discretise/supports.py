@@ -1,4 +1,4 @@
-"""Points of supports, each with its row and law; partition of the points into springs and contact points."""
+"""Points of supports, each with a row of G and a law; partition of the points into springs and contact points."""
 
 from __future__ import annotations
 
@@ -44,29 +44,38 @@ from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
 _GAUSS_RIGID = 2
-"""Number of points in each element on a rigid line that crosses elements: at most the number of free dofs there."""
+"""Number of points in each element on a rigid line that crosses elements.
+
+It is at most the number of free dofs in the element.
+"""
 _ROW = 3
 """Least number of elements across which a rigid two-sided line acts on element means.
 
 Two points in each element of a row would lock the plate, with reactions determined by rounding. In fewer elements, the
-means would leave the plate free to turn."""
+means would not hold the slopes of the plate.
+"""
 _STIFF = 1e3
-"""Least stiffness of a bed that acts on element means, relative to `PlateStiffness.in_waves`.
+"""Least stiffness of an elastic area that acts on element means, relative to `PlateStiffness.in_waves`.
 
-Several points would outnumber the free deflections of an element. The deflection that remains beside the mean is part
-of the mesh error."""
+Several points would outnumber the free deflections of an element. The variation of the deflection about its mean within
+an element is part of the mesh error.
+"""
 STIFFEST_SPRING = 1e8
 """Largest stiffness of a spring relative to the plate's stiffness in shear.
 
-A stiffer spring changes no result in eight digits, but increases rounding in K. If it is one-sided, it becomes rigid,
-since its force would be the rounding of penetrations."""
+A stiffer spring changes no result in eight digits, but increases rounding in K. A stiffer one-sided spring becomes
+rigid, since its force would be the rounding of penetrations.
+"""
 _LEAST_PART = 0.1
-"""Least part of a support, by weight, on which a table must give a stiffness; less suggests wrong units."""
+"""Least part of a support, by weight, on which a table must give a stiffness; a smaller part suggests wrong units."""
 _NONE = 1e-12
-"""Largest coefficient of a row, relative to the sum 1 of shape functions, that counts as zero."""
+"""Largest coefficient of a row that counts as zero; the shape functions in a row have the sum 1."""
 
 _OFF = 0.02
-"""Tolerance of cuts along curved steps of a support, relative to an element's side: finer cuts make too many points."""
+"""Largest deviation of cuts along curved steps of a support, relative to an element's side.
+
+A smaller deviation would make too many points.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +83,7 @@ class _SupportPoints(Table):
     """Points of one support with their rows, before they get the support's law.
 
     ``within`` (q, 2) are points inside the element, beside a jump, at which formulas are evaluated. ``slope`` (q,) are
-    prescribed slopes, NaN where the rows are of the deflection. ``shared`` and ``numbers`` are as in `ContactPoints`.
+    prescribed slopes, NaN where the row is the deflection. ``shared`` and ``numbers`` are as in `ContactPoints`.
     """
 
     rows: Rows
@@ -89,7 +98,7 @@ class _SupportPoints(Table):
     def of(
         cls, rows: Rows, points: LineQuadrature, slope: Floats | float = np.nan, numbers: Ints | int = 0
     ) -> _SupportPoints:
-        """Make the points from quadrature points and their rows."""
+        """Make the points of a support from quadrature points and their rows."""
         count = len(rows)
         values = np.broadcast_to(slope, count), np.full((count, 4), -1), np.broadcast_to(numbers, count)
         return cls(rows, points.positions, points.within, points.weights, *values)
@@ -99,8 +108,8 @@ class _SupportPoints(Table):
 class SupportedPlate:
     """A plate on its mesh with held dofs and stiffness, on which supports act.
 
-    If a plate is ``beneath``, rows are differences of the two plates' deflections, and that plate's element indices
-    follow those of this plate.
+    If a plate is ``beneath``, rows are differences of the two plates' deflections, and the lower plate's element
+    indices follow those of this plate.
     """
 
     shape: Plate
@@ -111,7 +120,7 @@ class SupportedPlate:
     beneath: SupportedPlate | None = None
 
     def rows(self, points: Quadrature, field: int) -> Rows:
-        """Rows of w, θx or θy (field 0, 1, 2) at points."""
+        """Rows of w, θx or θy (``field`` 0, 1, 2) at points."""
         coefficients, _ = self.core.interpolation_rows(points.elements, points.xi, field)
         rows = Rows(points.elements, coefficients)
         if self.beneath is None:
@@ -121,7 +130,7 @@ class SupportedPlate:
         return rows.extended(Rows(where.elements, -coefficients), len(self.mesh.elements))
 
     def means(self, placed: Placed, field: int = 0) -> Rows:
-        """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint of a support."""
+        """Rows of the mean of w, θx or θy (``field`` 0, 1, 2) over each footprint of a support."""
         rows = means_over(self.mesh, self.held.frames, placed.footprints, field)
         if self.beneath is None:
             return rows
@@ -133,7 +142,7 @@ class SupportedPlate:
 def springs_and_contacts(
     plate: SupportedPlate, supports: Sequence[Placed], problems: Problems
 ) -> tuple[ContactPoints, ContactPoints]:
-    """Partition the points of all supports into springs and contact points; held dofs are in ``plate.held``."""
+    """Divide the points of all supports into springs and contact points; held dofs, in ``plate.held``, are left out."""
     points = points_of(plate, supports, problems)
     bolts = [placed.index for placed in supports if placed.support.is_bolt]
     moved = ~points.slope & np.isin(points.support, np.array(bolts, np.int64))
@@ -142,9 +151,9 @@ def springs_and_contacts(
 
 
 def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
-    """Points of every support with row and law, except at held dofs.
+    """Points of every support with row and law, except points that are held dofs.
 
-    Rows of supports between two plates are over both, see `Rows.extended`.
+    Rows of supports between two plates are over both plates, see `Rows.extended`.
     """
     result = [ContactPoints.none()]
     for placed in supports:
@@ -156,7 +165,7 @@ def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Probl
 
 
 def _places(support: Support, acting: _SupportPoints) -> Floats:
-    """Positions (q, 2) at which formulas are evaluated: inside the point's element if a formula jumps."""
+    """Positions (q, 2) at which formulas are evaluated: inside each point's element if a formula jumps."""
     return acting.within if jumps_of(support) else acting.positions
 
 
@@ -192,7 +201,7 @@ def _require_covered(plate: SupportedPlate, placed: Placed) -> None:
 
 
 def _acting(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
-    """Points and rows of one support, except at held dofs."""
+    """Points of one support with their rows, except points that are held dofs."""
     _require_covered(plate, placed)
     if placed.support.area is not None:
         return [_on_area(plate, placed)]
@@ -201,7 +210,7 @@ def _acting(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
 
 
 def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
-    """Leave out points at which a field gives no stiffness; refuse this for points listed in the input."""
+    """Leave out points at which a table gives no stiffness; if the input lists these points, refuse this."""
     field, place = field_of(placed.support), stiffness_place(placed.support, placed.place)
     if field is None:
         return acting
@@ -236,7 +245,10 @@ def _at_points(plate: SupportedPlate, placed: Placed, points: LineQuadrature) ->
 
 
 def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
-    """Points along an edge, a line or a circle; a rigid line that the mesh follows acts at nodes that are not held."""
+    """Points along an edge, a line or a circle.
+
+    A rigid line that the mesh follows acts at nodes, except nodes that are held dofs.
+    """
     support, mesh = placed.support, plate.mesh
     in_means, turned = False, None
     if support.is_elastic:
@@ -281,7 +293,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
     """
     support, place = placed.support, placed.place
     mesh, elastic, one_sided = plate.mesh, support.is_elastic, not acts_both_ways(support)
-    # Where a corner of an element is held, points on the outline would have no free dof.
+    # At an element with a held corner, points on the outline would have no free dof.
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     quadrature = in_area(
@@ -302,7 +314,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
 
 
 def _with_law(plate: SupportedPlate, placed: Placed, acting: _SupportPoints) -> list[ContactPoints]:
-    """Give points the law of their support: one table, or one for each direction if the support has a gap in both."""
+    """Give points the law of their support: one table, or two if the support has a gap in both directions."""
     stiffest = STIFFEST_SPRING * plate.stiffness.in_shear[acting.rows.elements]
     positions = _places(placed.support, acting)
     graphs = graphs_of(placed.support, positions, acting.weights, stiffest, acting.slope, placed.place)
@@ -343,13 +355,13 @@ def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
 
 
 def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
-    """Table of a support's points with the laws ``graphs``."""
+    """Table of a support's points ``acting`` with the laws ``graphs``."""
     where = ~np.isnan(acting.slope), acting.positions, acting.weights, np.full(len(acting), placed.index, np.int64)
     return ContactPoints.of(graphs, acting.rows, *where, acting.shared, acting.numbers)
 
 
 def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
-    """Replace the points of each element by one, with the mean of their rows, positions and slopes by weight."""
+    """Replace the points of each element by one point, with weighted means of their rows, positions and slopes."""
     elements, inverse = np.unique(through.rows.elements, return_inverse=True)
     area = np.bincount(inverse, through.weights).astype(np.float64)
 
@@ -368,7 +380,7 @@ def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
 
 
 def _with(plate: SupportedPlate, placed: Placed, acting: _SupportPoints, result: OutlinePoints) -> _SupportPoints:
-    """Add points on the outline, with weights taken from the elements around them."""
+    """Add outline points ``result``; their weights are subtracted from points of the elements around them."""
     supported = on_soil(placed.support, result.positions)
     result = OutlinePoints(result.positions[supported], result.shared[supported])
     if not len(result.positions):
@@ -393,7 +405,7 @@ def _with(plate: SupportedPlate, placed: Placed, acting: _SupportPoints, result:
 
 
 def _once(mesh: Mesh, points: LineQuadrature) -> LineQuadrature:
-    """Merge points that neighbouring pieces of a line share, and add their weights."""
+    """Merge points at which two pieces of a line meet, and add their weights."""
     rounded = np.round(points.positions / mesh.near.place)
     _, first, point = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     weights = np.bincount(point.ravel(), points.weights).astype(np.float64)[point.ravel()]

@@ -1,4 +1,4 @@
-"""Thickness of the plate at the elements' section points, and laminated sections of elements in which it jumps."""
+"""Thickness of the plate at the elements' section points, and rigidities of elements in which the thickness jumps."""
 
 from __future__ import annotations
 
@@ -24,17 +24,22 @@ _ORDER = 4
 exactly."""
 
 _BESIDE = 2e-3
-"""Distance from a step, in reference coordinates, at which the thicknesses on its two sides are evaluated."""
+"""Distance from a step of the thickness at which its two sides are evaluated, in reference coordinates."""
 
 _SHORT = 1e-3
-"""Least length of a piece of a step, relative to the element size; shorter pieces have no reliable direction."""
+"""Least length of a piece of a step, relative to the element size; the direction of shorter pieces is rounding."""
 
 _SOFTEST = 1e-9
-"""Least rigidity across a step, relative to that along it. Smaller values are lost in rounding if the step is
-oblique."""
+"""Least rigidity across a step, relative to the rigidity along the step.
+
+Smaller values are lost in rounding if the step is oblique.
+"""
 
 _SAME = 1e-9
-"""Smallest relative jump of the thickness that counts as a step: branches of a formula may meet within rounding."""
+"""Smallest jump of the thickness that counts as a step, relative to the thickness.
+
+Branches of a formula may meet within rounding.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +56,11 @@ class Thickness:
     layered: tuple[Ints, Floats] | None = None
 
     def max(self) -> float:
-        """Return the largest thickness."""
+        """Return the largest thickness on the plate."""
         return float(self.at_points.max())
 
     def min(self) -> float:
-        """Return the least thickness."""
+        """Return the least thickness on the plate."""
         return float(self.at_points.min())
 
     def least_at(self, mesh: Mesh, points: Floats) -> float:
@@ -67,13 +72,13 @@ class Thickness:
 
     @property
     def for_core(self) -> float | Floats:
-        """The thickness as `_core.Plate` takes it."""
+        """The thickness as `_core.Plate` takes it: a number if it is constant, else an array."""
         return float(self.at_points[0, 0]) if self.at_points.size == 1 else self.at_points
 
 
 @dataclass(frozen=True, eq=False)
 class PlateStiffness:
-    """Stiffness of the plate by element (ne,).
+    """Stiffness of the plate in each element (ne,).
 
     ``in_waves`` is the ratio of pressure to deflection in a wave two elements long. ``in_shear`` is the shear rigidity,
     force per length.
@@ -89,13 +94,13 @@ class PlateStiffness:
         number = zones.of_elements.rigidity
         unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
         bending, shear = unit[:, 0] * h**3, unit[:, 1] * h
-        # The plate bends in the wave w = sin(πx/a) sin(πy/a); a² is the area of the element.
+        # In the wave w = sin(πx/a) sin(πy/a), a² is the area of the element.
         wave = 2.0 * np.pi**2 / mesh.element_area
         return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
 
 
 def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
-    """Evaluate the thickness; refuse values outside the domain of validity."""
+    """Evaluate the thickness at all section points; refuse values outside the domain of validity."""
     formulas, kind = zones.formulas, zones.model.plate.element
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
@@ -127,7 +132,7 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
 
 
 def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
-    """Functions that are zero where the thickness jumps or a zone ends; mask (functions, ne) of elements they cross."""
+    """Level functions, zero where the thickness jumps or a zone ends; mask (levels, ne) of the elements they cross."""
     parted, of_elements = zones.parted.any(axis=0), zones.of_elements.thickness
     sought: list[tuple[Sequence[Callable[[Floats], Floats]], Bools]] = []
     for formula in dict.fromkeys(zones.formulas):
@@ -143,7 +148,7 @@ def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:
-    """Thickness, index of the rigidity, and nominal thickness (q,) each, at points (q, 2) of elements (q,)."""
+    """Thickness (q,), index (q,) of the rigidity, and nominal thickness (q,) at points (q, 2) of elements (q,)."""
     section = zones.at(elements, points)
     nominal = zones.nominal(section.thickness, points)
     _require_plate(zones, mesh, nominal, section.thickness, points)
@@ -152,7 +157,7 @@ def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tupl
 
 def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, formula_of: Ints, points: Floats) -> None:
     thinnest, thickest = _RANGE[0] * mesh.size, _RANGE[1] * mesh.size
-    # The tolerance is for the plate's size, which is rounded far from the origin.
+    # The limits have a tolerance: far from the origin, the plate's size is rounded.
     wrong = (thickness < (1.0 - _SAME) * thinnest) | (thickness > (1.0 + _SAME) * thickest)
     if wrong.any():
         first = int(np.argmax(wrong))
@@ -166,7 +171,10 @@ def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, formula_of: Ints
 
 @dataclass(frozen=True, eq=False)
 class _Fronts:
-    """Pieces (f,) of steps: element, unit normal (f, 2), and weight, which is length times jump of bending rigidity."""
+    """Pieces (f,) of steps of the thickness: element, unit normal (f, 2), and weight.
+
+    The weight is the length times the jump of the bending rigidity.
+    """
 
     elements: Ints
     normals: Floats
@@ -192,7 +200,7 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     )
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
     sides = bending[rigidity_before] * thickness_before**3, bending[rigidity_after] * thickness_after**3
-    # A jump that leaves the bending rigidity unchanged needs a positive weight, too.
+    # The weight must be positive even if the bending rigidity does not jump.
     step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
 
@@ -208,7 +216,8 @@ def _sections(
 ) -> Floats:
     """Rigidities (k, p, 9) of k elements as laminates of strips along the step (docs/theory.md, section 4).
 
-    Each section point takes means over the quarters of the element that contain it; in a triangle, over the element.
+    Each section point takes means over the quarters of the element that contain the point; in a triangle, over the
+    element.
     """
     n = fronts.normals
     bent = np.column_stack([n**2, 2.0 * n.prod(axis=1)])
@@ -228,8 +237,8 @@ def _quarter_means(
 ) -> Callable[[int], Floats]:
     """Return the function that maps an exponent n to means of hⁿ at section points ``xi`` (k, p, 2) of elements (k,).
 
-    Means are over the element's quarters around each point. They are given by material, (materials, k, p); the sum over
-    materials is the mean.
+    Means are over the element's quarters around each point. The result has one part per material, (materials, k, p);
+    the sum over materials is the mean.
     """
     in_elements = np.isin(cut.elements, elements)
     quarter = (cut.xi[in_elements] > 0.0) @ np.array([1, 2])

@@ -1,4 +1,4 @@
-"""Section (thickness and stiffness) at each position on the plate, as the plate or its zones prescribe it."""
+"""Section (thickness and stiffness) at each position, as the plate or one of its zones prescribes it."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
-"""Largest part of an element's area, or of a smaller zone's, that counts as rounding of a border that sides follow.
+"""Largest part of an element's area, or of a smaller zone's, between a border and sides that approximate the border.
 
-A parabola over 45° of a circle has this error."""
+A parabola over 45° of a circle has this error.
+"""
 _ROUNDING = 1e-6
-"""Value used in place of `_SLIVER` in elements with a narrow strip between zones, whose area is no rounding."""
+"""Value used in place of `_SLIVER` in elements with a narrow strip between zones, whose area is not an error."""
 _NARROW = 0.05
-"""Largest width of a narrow strip, relative to the side of an element."""
+"""Largest width of a strip between zones that counts as narrow, relative to the side of an element."""
 _BESIDE = 1e-6
-"""Distance from a border, relative to the plate's size, at which the section beside it is evaluated."""
+"""Distance from a border, relative to the plate's size, at which the section beside the border is evaluated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +49,14 @@ class Rigidity:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, factor: float) -> Self:
-        """Take Young's modulus, Poisson's ratio and the shear correction factor."""
+        """Rigidity of Young's modulus E, Poisson's ratio nu, and the shear correction factor."""
         d = E / (12 * (1 - nu**2))
         bending = d * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
         return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))
 
     @classmethod
     def of_material(cls, material: Material, factor: float, modifiers: Modifiers) -> Self:
-        """Take the rigidities of a material; orthotropic ones are transformed from its axes to x and y."""
+        """Rigidity of a material, with an orthotropic material's axes transformed to x and y."""
         if material.E is not None and material.nu is not None:
             return cls.isotropic(material.E, material.nu, factor).modified(modifiers)
         axes = material.axes
@@ -67,7 +68,7 @@ class Rigidity:
 
     @classmethod
     def of_section(cls, section: Stiffness, thickness: float, modifiers: Modifiers) -> Self:
-        """Take the rigidities of a section, divided by powers of its thickness and transformed to x and y.
+        """Rigidity of a section given by its stiffness, divided by powers of the thickness and transformed to x and y.
 
         Examples
         --------
@@ -82,38 +83,38 @@ class Rigidity:
         return cls(bending, np.diag([section.Sx, section.Sy]) / thickness).modified(modifiers).turned(section.angle)
 
     def turned(self, degrees: float) -> Self:
-        """Transform to x and y from axes of which the first is at an angle in degrees from x."""
+        """Transform the rigidity to x and y from axes whose first is at an angle in ``degrees`` from x."""
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         rotation = np.array([[c, s], [-s, c]])
         return type(self)(turn.T @ self.bending @ turn, rotation.T @ self.shear @ rotation)
 
     def modified(self, modifiers: Modifiers) -> Self:
-        """Multiply by factors for bending, twist and shear."""
+        """Multiply the rigidity by the factors for bending, twist and shear."""
         bending = modifiers.bending * self.bending
         bending[2, 2] = modifiers.twist * self.bending[2, 2]
         return type(self)(bending, modifiers.shear * self.shear)
 
     @property
     def for_core(self) -> Floats:
-        """The rigidities (9,) as `_core.Plate` takes them."""
+        """The nine entries (9,) of the rigidity, as `_core.Plate` takes them."""
         return np.concatenate([self.bending[np.triu_indices(3)], self.shear[np.triu_indices(2)]])
 
     @property
     def in_waves(self) -> float:
-        """Rigidity in bending against waves sin(x) sin(y); D of an isotropic plate."""
+        """Bending rigidity in waves sin(x) sin(y); equals D for an isotropic plate."""
         b = self.bending
         return float((b[0, 0] + 2 * (b[0, 1] + 2 * b[2, 2]) + b[1, 1]) / 4)
 
     @property
     def in_twist(self) -> float:
-        """Mean rigidity in twist of all directions."""
+        """Rigidity in twist, averaged over all directions."""
         b = self.bending
         return float((b[0, 0] + b[1, 1] - 2 * b[0, 1] + 4 * b[2, 2]) / 8)
 
     @property
     def in_shear(self) -> float:
-        """Mean rigidity in shear of all directions."""
+        """Rigidity in shear, averaged over all directions."""
         return float(self.shear.trace() / 2)
 
 
@@ -136,10 +137,10 @@ class Zones:
     """The zones of a model on a mesh.
 
     ``inside`` (z, ne) marks the elements of each zone; an element that the border cuts counts by its middle. ``parted``
-    (z, ne) marks elements that the border cuts. ``rigidities`` (r,) are distinct, the plate's first; ``young`` (r,) is
-    the largest Young's modulus of each. ``equivalent`` (r,) is the thickness of a solid plate of equal stiffness where
-    a section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of the rigidity, by section
-    (see `SectionIndex`) and by the part that gives the modifiers.
+    (z, ne) marks elements that the border cuts. ``rigidities`` (r,) are the distinct rigidities, that of the plate
+    first; ``young`` (r,) is the largest Young's modulus of each. ``equivalent`` (r,) is the thickness of a solid plate
+    of equal stiffness where a section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of
+    the rigidity, by section (see `SectionIndex`) and by the part that gives the modifiers.
     """
 
     model: Model
@@ -152,13 +153,13 @@ class Zones:
 
     @classmethod
     def anywhere(cls, model: Model) -> Self:
-        """Zones of a model without a mesh, for `made_at` only."""
+        """Zones of a model without a mesh; only `made_at` can be called."""
         nowhere = np.zeros((len(model.zone), 0), np.bool_)
         return cls(model, nowhere, nowhere, *_rigidities(model))
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Self:
-        """Find the elements of every zone; report zones off the plate as problems."""
+        """Find the elements of every zone; zones off the plate are reported as problems."""
         count, area = len(mesh.elements), mesh.element_area
         inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
         middles = mesh.map(np.arange(count), mesh.triangles[:, None] * CENTROID)
@@ -179,7 +180,7 @@ class Zones:
 
     @property
     def element(self) -> str:
-        """The finite element of the plate."""
+        """Name of the plate's finite element."""
         return self.model.plate.element
 
     @property
@@ -190,23 +191,23 @@ class Zones:
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Paths of ``formulas`` in the input."""
+        """Paths of ``formulas`` in the input, in the same order."""
         return (("plate", "thickness"), *(("zone", index, "thickness") for index in range(len(self.model.zone))))
 
     @property
     def borders(self) -> list[Callable[[Floats], Floats]]:
-        """Levels (`signorini.discretise.quadrature.stepped`) along the borders of zones that cut elements."""
+        """Level functions (`signorini.discretise.quadrature.stepped`), zero on borders of zones that cut elements."""
         zones = zip(self.model.zone, self.parted, strict=True)
         return [side for zone, parted in zones if parted.any() for side in sides_of(zone.region)]
 
     @property
     def unit_weights(self) -> Floats:
-        """Weight per volume of the materials of plate and zones; NaN for materials without a unit weight."""
+        """Unit weight of the material of the plate and of each zone; NaN for materials without unit weight."""
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if material.unit_weight is None else material.unit_weight for material in materials])
 
     def poisson_of(self, elements: Ints) -> Floats:
-        """Poisson's ratios (q,) of elements (q,)."""
+        """Poisson's ratio (q,) of each of the elements ``elements`` (q,)."""
         result = np.full(len(self.number), np.nan)
         for section, properties in _sections(self.model).items():
             result[section] = properties.poisson
@@ -219,11 +220,11 @@ class Zones:
 
     @property
     def of_elements(self) -> SectionIndex:
-        """Section of each element (ne,), at its middle."""
+        """Section at the middle of each element (ne,)."""
         return self._made(self.inside)
 
     def at(self, elements: Ints, points: Floats) -> SectionIndex:
-        """Section of points (q, 2) in elements (q,)."""
+        """Section at points (q, 2), each in one of the elements (q,)."""
         inside = self.inside[:, elements]
         for index, zone in enumerate(self.model.zone):
             beside = self.parted[index, elements]
@@ -231,12 +232,12 @@ class Zones:
         return self._made(inside)
 
     def made_at(self, points: Floats) -> SectionIndex:
-        """Section of points (q, 2), independent of the mesh."""
+        """Section at points (q, 2), from the borders of zones, independent of the mesh."""
         inside = [zone.region.contains(points) for zone in self.model.zone]
         return self._made(np.array(inside, np.bool_).reshape(-1, len(points)))
 
     def thickness(self, section: SectionIndex, points: Floats) -> Floats:
-        """Evaluate the thickness (q,), to which the stiffness refers, at points (q, 2)."""
+        """Thickness (q,) at points (q, 2), to which the rigidities of ``section`` refer."""
         return self.acting(section.rigidity, self.nominal(section.thickness, points))
 
     def solid(self, elements: Ints, points: Floats) -> Floats:
@@ -246,12 +247,12 @@ class Zones:
         return np.where(is_solid, self.nominal(section.thickness, points), np.nan)
 
     def acting(self, rigidity: Ints, nominal: Floats) -> Floats:
-        """Thickness (q,) for stiffness: that of the equivalent solid plate if there is one, else the nominal."""
+        """Thickness (q,) to which rigidities refer: that of the equivalent solid plate, or else ``nominal``."""
         equivalent = self.equivalent[rigidity]
         return np.where(np.isnan(equivalent), nominal, equivalent)
 
     def nominal(self, formula_of: Ints, points: Floats) -> Floats:
-        """Evaluate the thickness (q,) of the input at points (q, 2) by the formulas with indices (q,)."""
+        """Thickness (q,) of the input at points (q, 2); ``formula_of`` (q,) is the index of each point's formula."""
         result = np.empty(len(points))
         for number in np.unique(formula_of):
             with_formula = formula_of == number
@@ -259,7 +260,7 @@ class Zones:
         return result
 
     def _in_strips(self, mesh: Mesh) -> Bools:
-        """Mask (ne,) of elements with a narrow strip along a border; its section differs from those on both sides."""
+        """Mask (ne,) of elements with a narrow strip along a border, in which the section differs from both sides."""
         result = np.zeros(len(mesh.elements), np.bool_)
         size = float(np.sqrt(mesh.element_area.max(initial=0.0)))
         near, wide = _BESIDE * mesh.size, _NARROW * size
@@ -294,7 +295,10 @@ class Zones:
         return SectionIndex(self._last("thickness", inside), material, section, number)
 
     def _last(self, key: str, inside: Bools) -> Ints:
-        """Index (q,) of the last zone that contains a point and sets a key, 1 for the first zone; 0 is the plate."""
+        """For each point (q,), the number of the last zone that contains the point and sets ``key``.
+
+        Zones are numbered from 1; 0 is the plate.
+        """
         result = np.zeros(inside.shape[1], np.int64)
         for index, zone in enumerate(self.model.zone):
             if getattr(zone, key) not in (None, False):
@@ -310,7 +314,7 @@ class ZonesOfPlates(Zones):
 
     @classmethod
     def join(cls, model: Model, plates: Sequence[Zones]) -> Self:
-        """Concatenate the rigidities of the plates."""
+        """Join the zones of several plates, with their rigidities one after another."""
         nowhere = np.zeros((0, 0), np.bool_)
         young, equivalent = (
             np.concatenate([getattr(zones, name) for zones in plates]) for name in ("young", "equivalent")
@@ -320,12 +324,15 @@ class ZonesOfPlates(Zones):
 
     @property
     def element(self) -> str:
-        """The finite element of all plates."""
+        """Name of the finite element of all plates."""
         return self.plates[0].element
 
     @property
     def of_elements(self) -> SectionIndex:
-        """Sections of all elements: their numbers start anew in each plate, those of rigidities run through all."""
+        """Sections of the elements of all plates.
+
+        Numbers of sections start anew in each plate, numbers of rigidities run through all plates.
+        """
         first = np.cumsum([0, *(len(sections.rigidities) for sections in self.plates)])
         each = [sections.of_elements for sections in self.plates]
         each = [
@@ -335,7 +342,7 @@ class ZonesOfPlates(Zones):
 
 
 def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
-    """Points (q, 2) along an outline, at most a step apart, and unit normals (q, 2)."""
+    """Points (q, 2) along an outline, at most ``step`` apart, and unit normals (q, 2) of the outline there."""
     points, tangents = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for arc in arcs_of(outline):
         count = math.ceil(arc.length / step) + (0 if isinstance(arc, Segment) else 8)
@@ -348,7 +355,7 @@ def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
 
 
 def _sections(model: Model) -> dict[int, Material | Stiffness]:
-    """Properties of sections by number (`SectionIndex`); materials without moduli have no section."""
+    """Material or stiffness of each section by number (`SectionIndex`); materials without moduli have no section."""
     parts = list(enumerate((model.plate, *model.zone)))
     materials = ((0, model.material), *((i, zone.material) for i, zone in enumerate(model.zone, 1)))
     result: dict[int, Material | Stiffness] = {}

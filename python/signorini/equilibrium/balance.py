@@ -15,25 +15,29 @@ from signorini.errors import InputError, point
 from signorini.shapes.extent import hull
 
 NO_FORCE = 1e-6
-"""Tolerance for a zero resultant, relative to the acting forces: loads along arcs have the error of parabolas."""
+"""Largest resultant that counts as zero, relative to the sum of the forces. Loads along arcs have an error, since
+element sides are parabolas.
+"""
 _HELD = 1e-4
-"""Smallest stiffness of supports against rigid motions, relative to the required one: four of sixteen digits are lost.
+"""Smallest stiffness of supports against a rigid motion, relative to the required stiffness. Four of sixteen digits are
+lost.
 """
 _PLANE = np.array([1.0, 1.0j])
-"""Takes a position (x, y) to x + iy, by which positions are compared."""
+"""Vector whose product with a position (x, y) is x + iy; these numbers are compared in place of positions."""
 _MANY = 100
-"""Largest number of points that are all kept; of more, only the corners of the convex hull are."""
+"""Largest number of points that are all kept. If there are more, only the corners of their convex hull are kept."""
 
 _MOST_NUMBERS = 1 << 20
-"""Largest number of products in memory at once."""
+"""Largest number of products (ray times point displacement) in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bearing:
-    """Positions (k, 2) at which one-sided supports act; of many in one direction, the corners of their hull.
+    """Positions (k, 2) at which one-sided supports act, with bounds of their forces.
 
-    ``moves`` (k, d) are the displacements into the support in the free rigid motions. ``support`` (k,) are the numbers
-    of the supports. ``least`` and ``most`` (k,) bound the force at each position.
+    Many positions with one direction are replaced by the corners of their convex hull. ``moves`` (k, d) are the
+    displacements into the support in the d free rigid motions. ``support`` (k,) are the numbers of the supports.
+    ``least`` and ``most`` (k,) bound the force at each position.
     """
 
     positions: Floats
@@ -44,7 +48,7 @@ class Bearing:
 
     @property
     def limited(self) -> bool:
-        """Whether a force has another bound than force ≥ 0."""
+        """Whether any force has a bound other than force ≥ 0."""
         return bool(np.isfinite(self.most).any() or self.least.any())
 
 
@@ -52,12 +56,13 @@ class Bearing:
 class RigidFreedom:
     """Rigid motions that held dofs, springs and two-sided points leave free.
 
-    ``motions`` (3p, d) is their basis. For each of p plates a motion has w at the middle of the mesh, and two slopes
-    times the mesh's size. ``moves`` (m, d) are the displacements of contact points in these motions. Reactions on the
-    ``outline`` of one-sided supports decide whether the plate can be balanced; reactions at their contact points
-    ``on_mesh`` decide whether the mesh can represent it. K is ``regular`` if held dofs and springs hold the plate.
-    ``unheld`` (3p, h) are the motions that held dofs leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p) are
-    displacements of springs and contact points in all motions.
+    The columns of ``motions`` (3p, d) are a basis of these motions of p plates: for each plate w at the middle of the
+    mesh, and two slopes times the mesh's size. ``moves`` (m, d) are the displacements of contact points in these
+    motions. Reactions on the ``outline`` of one-sided supports decide whether the load can be balanced. Reactions at
+    the contact points ``on_mesh`` decide whether this mesh can represent the balance. ``regular`` says that K is
+    regular, since held dofs and springs hold the plate. ``unheld`` (3p, h) are the motions that held dofs leave free.
+    ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p) are displacements of springs and contact points in all 3p rigid
+    motions.
     """
 
     motions: Floats
@@ -86,7 +91,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     at_contacts, of_springs = discretisation.contact_rows @ scaled, discretisation.spring_rows @ scaled
     at_contacts[contacts.slope] *= size
     of_springs[discretisation.springs.slope] *= size
-    # Slopes times the plate's size are compared with deflections.
+    # Slopes are multiplied by the plate's size, so that they can be compared with deflections.
     held = (
         scaled[discretisation.held.dofs]
         * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
@@ -106,7 +111,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     outlines = _outlines(discretisation, motions)
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
-        # The limit of a point depends on its length or area, so that the hull does not suffice.
+        # A point's limit depends on its length or area, so the corners of the hull do not suffice.
         moves_one_sided = moves[~contacts.two_sided]
         on_mesh = outlines = Bearing(one_sided.positions, moves_one_sided, one_sided.support, least, most)
     regular = null_space(in_stiffness).shape[1] == 0
@@ -115,14 +120,14 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
 
 
 def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
-    """Bearing with positions on the outlines of supports that have one-sided points."""
+    """`Bearing` with positions on the outlines of all supports that have one-sided points."""
     contacts = discretisation.contacts
-    # Support and direction in one integer, which sorts faster than rows.
+    # Support number and direction are combined in one integer, which sorts faster than pairs.
     support_and_direction = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(support_and_direction), 2), strict=True):
         if field_of(discretisation.model.support[index]) is not None:
-            # A field may be 0 in part of the outline.
+            # The support's table of stiffness may be 0 in part of its outline.
             reach = contacts.positions[(contacts.support == index) & ~contacts.two_sided]
         else:
             reach = _outline(discretisation, int(index))
@@ -153,7 +158,7 @@ def _bearing(
 
 
 def _outline(discretisation: Discretisation, index: int) -> Floats:
-    """Points (k, 2) whose convex hull is that of a support."""
+    """Points (k, 2) with the same convex hull as support number ``index``."""
     plate = next(plate for plate in discretisation.members if index in plate.numbers["support"])
     support = plate.own.model.support[plate.numbers["support"].index(index)]
     return outline(plate.own.mesh, plate.own.model.plate, support.where)
@@ -162,8 +167,8 @@ def _outline(discretisation: Discretisation, index: int) -> Floats:
 def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
     """Downward displacements (k, 3p) at positions (k, 2) of supports in each rigid motion of p plates.
 
-    Motions are as in `RigidFreedom`. For a support between two plates it is the upper plate's displacement minus the
-    lower one's.
+    Motions are as in `RigidFreedom`. For a support between two plates the displacement is that of the upper plate minus
+    that of the lower plate.
     """
     arms = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
     names = [plate.name for plate in discretisation.members]
@@ -188,7 +193,7 @@ def _name_motion(mechanism: Floats, discretisation: Discretisation) -> str:
 
 
 def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
-    """Text for a rigid motion (3p,), given as in `RigidFreedom`."""
+    """Text for a rigid motion (3p,), which is given as in `RigidFreedom`."""
     if discretisation.plates and len(motion) > 3:
         return " and ".join(
             f'"{plate.name}" {describe_motion(of_plate, discretisation)}'
@@ -209,11 +214,12 @@ def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
 def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
     """Numbers of contact points that, with held dofs and springs, hold all rigid motions with stiffness ``enough``.
 
-    Empty if held dofs and springs suffice. Otherwise the two-sided points and, if necessary, at most one more for each
-    motion, stiff and far apart. ``stiffness`` (m,) is that of each point; values above ``enough`` are cut off.
+    The array is empty if held dofs and springs suffice. Otherwise it contains the two-sided points and, if these do not
+    suffice, at most one further point for each motion, stiff and far from the others. ``stiffness`` (m,) is that of
+    each contact point; values above ``enough`` are cut off.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
-    # A rotational stiffness over the plate's size squared is compared with a stiffness.
+    # A rotational stiffness is divided by the plate's size squared, so that it can be compared with a stiffness.
     spring_stiffness = (
         discretisation.springs.stiffness / np.where(discretisation.springs.slope, discretisation.mesh.size, 1.0) ** 2
     )
@@ -228,7 +234,7 @@ def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, st
     always = np.vstack([springs, points[two_sided]])
     if is_held(always):
         return two_sided
-    # Gram-Schmidt with pivoting: each step takes the longest remaining row, which is at a corner of the hull.
+    # Gram-Schmidt with pivoting: each step takes the longest remaining row. Its point is at a corner of the hull.
     rest, picked = np.vstack([springs, points]), two_sided.tolist()
     for _ in range(unheld.shape[1]):
         lengths = np.linalg.norm(rest, axis=1)
@@ -241,21 +247,21 @@ def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, st
 
 
 def load_size(discretisation: Discretisation, nodal: Floats) -> float:
-    """Sum of magnitudes of nodal forces, and of couples divided by the plate's size."""
+    """Sum of the magnitudes of nodal forces, and of nodal couples divided by the plate's size."""
     return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / discretisation.mesh.size)
 
 
 def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
-    """Work (d,) of a nodal load (3n,) on the free motions."""
+    """Work (d,) of nodal loads (3n,) in the d free rigid motions."""
     return np.asarray((discretisation.scaled_motions.T @ nodal) @ freedom.motions)
 
 
 def allowed_motions(bearing: Bearing) -> Floats | None:
-    """Extreme rays (r, d) of the cone of free rigid motions that a bearing allows, of unit maximum norm.
+    """Extreme rays (r, d), of unit maximum norm, of the cone of free rigid motions that one-sided supports allow.
 
     Reactions balance a load exactly if the load does no positive work in any ray. With d ≤ 3 a ray lies in d − 1 of the
-    planes that the points define, and on the allowed side of all other planes. None if d > 3 or if supports have
-    limits: there a linear program decides.
+    planes that the points of ``bearing`` define, and on the allowed side of all other planes. None if d > 3 or if
+    supports have limits: then a linear program decides.
     """
     one_sided = bearing.moves
     if bearing.limited or one_sided.shape[1] > 3:
@@ -273,6 +279,6 @@ def allowed_motions(bearing: Bearing) -> Floats | None:
     size = np.abs(rays).max(axis=1, initial=0.0)
     rays = rays[size > RANK * size.max(initial=0.0)] / size[size > RANK * size.max(initial=0.0), None]
     rays = np.concatenate([rays, -rays])
-    # In parts: the products of all rays with all points may exceed memory.
+    # The rays are divided into parts, since the products of all rays with all points may exceed the memory.
     parts = np.array_split(rays, 1 + len(rays) * len(one_sided) // _MOST_NUMBERS)
     return np.concatenate([part[(part @ one_sided.T).max(axis=1, initial=-np.inf) <= RANK] for part in parts])

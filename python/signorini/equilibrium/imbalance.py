@@ -1,10 +1,10 @@
-"""Whether reactions exist that balance a load, and at which factor of a load case they no longer do.
+"""Whether reactions exist that balance a load, and the factor of a load case at which they no longer do.
 
-The plate is a rigid body here; no factor is needed. Reactions of one-sided supports have a sign. By Farkas' lemma
-they balance the load exactly if it does no positive work in any rigid motion that all supports allow. A linear program
-in at most three unknowns finds the motion with the most work. Supports reach to their outlines, whatever the mesh.
-A plate tips about the line of the allowed motion with the most work per rotation. This work is the missing moment: by
-duality, the least couple with which reactions would balance the load.
+The plate is a rigid body here, and no matrix is factored. Reactions of one-sided supports have a sign. By Farkas' lemma
+they balance the load exactly if the load does no positive work in any rigid motion that all supports allow. A linear
+program in at most three unknowns finds the motion with the most work. Supports extend to their outlines, independently
+of the mesh. A plate tips about the line of the allowed motion with the most work per rotation. This work is the missing
+moment: by duality, the least couple with which reactions would balance the load.
 """
 
 from __future__ import annotations
@@ -23,32 +23,34 @@ from signorini.errors import InputError, length, point
 from signorini.model import Combination
 
 _UP_AND_DOWN = 1e-5
-"""Weight of the deflection relative to rotations in the norm of motions: small, so that it only breaks ties."""
+"""Weight of the deflection relative to rotations in the norm of motions. It is small, so that it only decides between
+motions with equal rotations.
+"""
 _ROUNDING = 1e-9
-"""Relative tolerance for zero reactions and motions."""
+"""Largest reactions and motions that count as zero, relative to the largest ones."""
 WORK = 1e-10
-"""Tolerance for zero work, relative to the load times the motion."""
+"""Largest work that counts as zero, relative to the size of the load times the largest component of the motion."""
 _COARSE = 1e-5
-"""Largest extra load, relative to the load, that the tolerance 1e-7 of a linear program makes inaccurate."""
+"""Largest extra load, relative to the load, that is inaccurate because of a linear program's tolerance 1e-7."""
 _CLOSED = 1e-7
-"""Largest opening of a point that stays closed as the plate tips, relative to the largest opening."""
+"""Largest opening of a point that counts as closed while the plate tips, relative to the largest opening."""
 _LIFTS = 1e-9
-"""Largest lift of a plate by a unit rotation that counts as zero, relative to its size."""
+"""Largest lift of a node by a unit rotation that counts as zero, relative to the plate's size."""
 _MOST_HINGES = 4
-"""Largest number of hinges that a message lists for a support."""
+"""Largest number of hinges of one support that a message lists."""
 _MOST = 1e6
-"""Largest limit of a case, relative to its factor; a case with a larger one counts as unlimited."""
+"""Largest limit of a load case, as a multiple of the case's factor. A case with a larger limit counts as unlimited."""
 _ALIKE = 1e-9
-"""Relative tolerance for equal limits."""
+"""Largest relative difference of two limits that count as equal."""
 _OVERLAP = 1e-7
-"""Least overlap of rigid supports that contradict each other, relative to the largest travel."""
+"""Smallest overlap at which rigid supports count as contradictory, relative to the largest gap or settlement."""
 _BRINK = 1e-9
-"""A plate is on the brink if no balanced reactions all exceed this, relative to the load."""
+"""Largest common lower bound of balanced reactions at which equilibrium counts as marginal, relative to the load."""
 CONTRADICTION = (
     "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
     "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
 )
-"""Message for `supports_contradict`."""
+"""Message if `supports_contradict` is true."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +61,7 @@ class Axis:
     offset: float
 
     def ends(self, middle: Floats, length: float) -> Floats:
-        """Ends (2, 2) of a segment of a given length, centred on the line's point nearest to ``middle``."""
+        """End points (2, 2) of a segment of this axis of given length, centred at the point nearest to ``middle``."""
         foot = middle - (self.normal @ middle + self.offset) * self.normal
         along = np.array([-self.normal[1], self.normal[0]])
         return np.asarray(foot + np.outer([-0.5, 0.5], along) * length)
@@ -67,7 +69,7 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """Least extra force that would just hold the plate, its direction, and the position (2,) of its node."""
+    """Least extra force that would just hold the plate, its direction, and the position (2,) of the loaded node."""
 
     force: float
     direction: Literal["up", "down"]
@@ -79,11 +81,11 @@ class Imbalance:
     """The motion by which a load moves the plate off all its supports, or tips it about a line.
 
     ``resultant`` is the sum of the load's forces, positive down. The plate moves off its supports in ``direction``, or
-    tips about ``axis``, and ``moment`` is the missing moment. ``hinges`` (k, 2) are points of the supports' outlines on
-    the axis, ``supports`` (k,) their supports. ``holding`` is None if no force at one point holds the plate. ``limit``
-    is a case and the multiple of its factor at which the plate would just stand.
+    tips about ``axis``; ``moment`` is the missing moment about the axis. ``hinges`` (k, 2) are points of the supports'
+    outlines on the axis, ``supports`` (k,) the numbers of their supports. ``holding`` is None if no force at one point
+    holds the plate. ``limit`` is a load case and the multiple of its factor at which the plate would just stand.
 
-    If ``supports`` yield at their limits, ``carried`` is the factor of the load that can be carried, ``most`` the
+    If ``supports`` yield at their limits, ``carried`` is the factor of the load that can be balanced, ``most`` the
     largest force, or moment about the axis, of the supports, and ``moment`` the missing force or moment. For several
     plates ``motions`` (p, 3), w and slopes about the middle, replace direction and axis.
     """
@@ -117,7 +119,7 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
     if best is None:
         _require_reach(discretisation, freedom, nodal)
         return None
-    # The motion with the most work per rotation.
+    # The plate tips by the motion with the most work per rotation.
     work = work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal)
     most = steepest(freedom.motions, freedom.outline.moves, work)
     if discretisation.plates:
@@ -126,11 +128,11 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
 
 
 def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
-    """Collapse mechanism in which supports with limits open and yield under a load; None if they can carry the load.
+    """Collapse mechanism in which supports with limits open and yield; None if they can balance the whole load.
 
-    The factor of the load that supports carry is a linear program over their reactions. Its multipliers are the
-    mechanism (static and kinematic theorems, Drucker, Prager & Greenberg 1952). In it the load does more work than
-    supports dissipate.
+    A linear program over the reactions finds the largest factor of the load that can be balanced. Its multipliers are
+    the mechanism (static and kinematic theorems, Drucker, Prager & Greenberg 1952). In this motion the load does more
+    work than the supports dissipate.
     """
     bearing, total = freedom.outline, load_size(discretisation, nodal)
     if not freedom.count or total == 0.0:
@@ -175,14 +177,14 @@ def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal:
 
 
 def _of_plates(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
-    """Imbalance of several plates, from a motion (d,) that every support allows."""
+    """Imbalance of several plates that move by ``motion`` (d,), which every support allows."""
     motions = (freedom.motions @ motion).reshape(-1, 3) / [1.0, discretisation.mesh.size, discretisation.mesh.size]
     down, none = float((discretisation.rigid_motions.T @ nodal)[::3].sum()), np.zeros(0, np.int64)
     return Imbalance(down, None, None, 0.0, np.zeros((0, 2)), none, None, motions=motions)
 
 
 def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
-    """Imbalance of a plate that tips, from a motion (d,) that every support allows."""
+    """Imbalance of a plate that tips by ``motion`` (d,), which every support allows."""
     opening = np.abs(freedom.outline.moves @ motion)
     w, *slopes = (freedom.motions @ motion) / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning = float(np.hypot(*slopes))
@@ -190,7 +192,7 @@ def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Float
     axis = Axis(normal, float(w / turning - normal @ discretisation.middle))
     work = discretisation.rigid_motions.T @ nodal
     closed = opening <= _CLOSED * opening.max(initial=0.0)
-    # A weight is most effective where the motion lifts the plate most.
+    # An added weight has the largest effect at the node that the motion lifts most.
     lift = -(discretisation.mesh.points @ normal + axis.offset)
     farthest = int(lift.argmax())
     holding = None
@@ -212,13 +214,13 @@ def _unresisted(
 ) -> Floats | None:
     """The motion (d,) with |motion| ≤ 1 in which the load does most work, and that no one-sided point resists.
 
-    ``bearing`` are the positions of one-sided points. None if the load does no work in any such motion.
+    ``bearing`` has the positions of the one-sided points. None if the load does no work in any such motion.
     """
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return None
     work, one_sided = work_of(discretisation, freedom, nodal), bearing.moves
-    # The default tolerance, 1e-7 of the load, is more than the certificate's.
+    # The default tolerance of a linear program, 1e-7 of the load, is larger than the tolerance of the certificate.
     best = minimise(-work / total, one_sided, (-np.inf, 0.0), (-1.0, 1.0), tolerance=WORK)
     return None if best is None or work @ best <= WORK * total else best
 
@@ -239,7 +241,7 @@ def _require_reach(discretisation: Discretisation, freedom: RigidFreedom, nodal:
 
 
 def _lifting(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Literal["up", "down"] | None:
-    """Direction in which the plate moves off all its supports without rotation, if it does."""
+    """Direction in which the plate moves off all supports without rotation; None if no such motion does work."""
     one_sided, least = freedom.outline.moves, WORK * load_size(discretisation, nodal)
     work = work_of(discretisation, freedom, nodal)
     directions: tuple[tuple[Literal["up", "down"], float], ...] = (("up", -1.0), ("down", 1.0))
@@ -255,7 +257,7 @@ def _lifting(discretisation: Discretisation, freedom: RigidFreedom, nodal: Float
 def _holding(
     discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, direction: Literal["up", "down"]
 ) -> Holding | None:
-    """Least extra load that would hold the plate, at ``best`` or else at the middle of the supports."""
+    """Least extra load that would hold the plate, at the node nearest to ``best`` or to the middle of the supports."""
     for position in (best, freedom.outline.positions.mean(axis=0)):
         node = discretisation.mesh.points[((discretisation.mesh.points - position) ** 2).sum(axis=1).argmin()]
         least = _least_holding(discretisation, freedom, nodal, node, direction)
@@ -267,9 +269,9 @@ def _holding(
 def _least_holding(
     discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, position: Floats, direction: str
 ) -> float | None:
-    """Least extra load at a point with which reactions balance the load, by a linear program over reactions."""
+    """Least extra load at a point with which reactions balance the load; found by a linear program over reactions."""
     size = discretisation.mesh.size
-    # Equilibrium in the free motions, with forces relative to the load and lengths relative to the plate's size.
+    # Equations of equilibrium in the free motions, with forces relative to the load and lengths to the plate's size.
     scale = np.array([1.0, size, size])
     resultant = work_of(discretisation, freedom, nodal)
     total = float(np.abs(resultant).max())
@@ -282,7 +284,7 @@ def _least_holding(
     least = minimise(cost, balance, (resultant / total, resultant / total), (0.0, np.inf))
     if least is None or least[0] > _COARSE:
         return None if least is None else total * float(least[0])
-    # A value within the tolerance of the program is computed from the extreme rays instead.
+    # A least load within the linear program's tolerance is computed again from the extreme rays.
     rays = allowed_motions(freedom.outline)
     if rays is None:
         return None
@@ -292,7 +294,7 @@ def _least_holding(
 
 
 def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
-    """Text on the missing force or moment, the motion, and loads that would restore equilibrium; "" for None."""
+    """Text on the missing force or moment, the motion, and loads that would restore equilibrium; "" if why is None."""
     if why is None:
         return ""
     force, arm = discretisation.model.units.force, discretisation.model.units.length if why.axis else ""
@@ -349,7 +351,7 @@ def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
 
 
 def _motions(discretisation: Discretisation, motions: Floats) -> list[str]:
-    """Text for the motion of each of several plates that moves."""
+    """Text for the motion of each plate, without plates that do not move."""
     size, result = discretisation.mesh.size, []
     for plate, (w, *slopes) in zip(discretisation.plates, motions.tolist(), strict=True):
         turning, most = float(np.hypot(*slopes)), float(np.abs(motions * [1.0, size, size]).max())
@@ -369,7 +371,7 @@ def _about(discretisation: Discretisation, axis: Axis | None) -> str:
 
 
 def line_in_words(normal: Floats, offset: float, size: float) -> str:
-    """Equation of the line normal · x + offset = 0 on a plate of a size; its larger coefficient is 1.
+    """Text of the line's equation normal · x + offset = 0, with 1 as largest coefficient; ``size`` is the plate's size.
 
     Examples
     --------
@@ -392,9 +394,10 @@ def line_in_words(normal: Floats, offset: float, size: float) -> str:
 def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
     """Find the allowed motion (d,), of unit maximum norm, with the most work per rotation.
 
-    It minimises ½ rotation² − work·motion subject to moves·motion ≤ 0. The dual is a nonnegative least-squares problem
-    in the reactions. Supports with a positive reaction remain closed, which determines the motion. ``motions`` (3p, d)
-    and ``moves`` (k, d) are those of `RigidFreedom`, ``work`` (d,) that of the load. None if rounding prevails.
+    The motion minimises ½ rotation² − work·motion subject to moves·motion ≤ 0. The dual problem is a nonnegative
+    least-squares problem in the reactions. Supports with a positive reaction remain closed, which determines the
+    motion. ``motions`` (3p, d) and ``moves`` (k, d) are those of `RigidFreedom`, ``work`` (d,) is the work of the load.
+    None if the motion found is not allowed or does no work, because of rounding.
     """
     from scipy.linalg import null_space
     from scipy.optimize import nnls
@@ -414,7 +417,7 @@ def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
 
 
 def imbalance_of(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
-    """`imbalance` of a combination, with the case and factor at which it would stand; None if reactions exist."""
+    """`imbalance` of a combination, with ``limit``; None if reactions balance the load."""
     why = imbalance(discretisation, freedom, discretisation.load(combination).weighing)
     return None if why is None else replace(why, limit=nearest_limit(discretisation, freedom, combination))
 
@@ -440,19 +443,19 @@ def nearest_limit(
         for limit in _limits(discretisation, freedom, freedom.outline, whole - nodal[case], nodal[case])
         if 1 / _MOST < limit < _MOST
     ]
-    # The limits of two cases are reciprocal: rounding must not choose between them.
+    # If two cases have reciprocal limits, rounding must not choose between them.
     return min(reversed(limits), key=lambda pair: round(abs(np.log(pair[1])) / _ALIKE), default=None)
 
 
 def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
-    """Whether an arbitrarily small shift of a balanced load would end its equilibrium."""
+    """Whether an arbitrarily small shift of a load that reactions balance would end its equilibrium."""
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return False
     if freedom.outline.limited:
         return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
-    # The first unknown is the least reaction of all points; the others are added to it.
+    # The first unknown is the least reaction r of all points; the other unknowns are the reactions minus r.
     balance = np.column_stack([one_sided.sum(axis=0), one_sided.T])
     work = work_of(discretisation, freedom, nodal) / total
     cost = np.append(-1.0, np.zeros(len(one_sided)))
@@ -461,7 +464,7 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
 
 
 def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
-    """Whether one-sided supports alone hold some motion, and the nodal loads (3n,) do no work in any such motion."""
+    """Whether only one-sided supports hold some rigid motion, and no load (3n,) does work in any such motion."""
     sizes = [
         (np.abs(work_of(discretisation, freedom, nodal)).max(initial=0.0), load_size(discretisation, nodal))
         for nodal in loads
@@ -470,7 +473,7 @@ def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats
 
 
 def supports_contradict(discretisation: Discretisation) -> bool:
-    """Whether no deflection of the plate satisfies all rigid supports: a linear program for the least overlap."""
+    """Whether no deflection of the plate agrees with all rigid supports. A linear program finds their least overlap."""
     contacts, held = discretisation.contacts, discretisation.held
     rigid = contacts.unyielding
     rows = csr_array(discretisation.contact_rows[np.flatnonzero(rigid)])
@@ -493,17 +496,20 @@ def supports_contradict(discretisation: Discretisation) -> bool:
 def largest_factor(
     discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
 ) -> float:
-    """Find the largest t such that a bearing's reactions balance ``rest`` + t ``case``, nodal loads (3n,).
+    """Find the largest t such that one-sided supports can balance ``rest`` + t ``case``, nodal loads (3n,).
 
-    Infinite without a limit; NaN if no t ≥ 0 has such reactions.
+    The positions of the supports are in ``bearing``. The value is infinite if there is no largest t, and NaN if no t ≥
+    0 can be balanced.
     """
     size = load_size(discretisation, case)
     if not freedom.count or size == 0:
         return np.inf
     strengths = np.abs(np.append(bearing.least, bearing.most))
     strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
-    # t is counted in units: the size of ``rest``, or the least limit. The unit grows while t exceeds `_MOST` units, up
-    # to the sum of all limits.
+    # The linear program has the unknown t/unit and finds limits up to `_MOST` units.
+    # The first unit makes the loads ``rest`` and unit·``case`` equal in size.
+    # Without ``rest``, the first unit makes unit·``case`` equal in size to the least limit.
+    # The unit grows while t exceeds `_MOST` units, until unit·``case`` reaches the sum of all limits.
     unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
     while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
         most = limits[-1]
@@ -518,7 +524,7 @@ def largest_factor(
 def _limits(
     discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
 ) -> list[float]:
-    """Least and largest t such that reactions balance ``rest`` + t ``case``; an empty list if they never do."""
+    """Least and largest t ≥ 0 such that reactions balance ``rest`` + t ``case``; an empty list without such a t."""
     total = load_size(discretisation, rest) + load_size(discretisation, case)
     one_sided = bearing.moves
     balance = np.column_stack([-work_of(discretisation, freedom, case) / total, one_sided.T])

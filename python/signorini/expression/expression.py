@@ -1,4 +1,4 @@
-"""Expressions in x and y, parsed and never executed."""
+"""Class `Expression`: a formula in x and y, parsed and never executed."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from signorini.expression.levels import Level, levels
 from signorini.expression.tree import check, evaluate, first_point, parse, short
 
 LARGEST = 1e60
-"""Largest magnitude of an input number, in its unit: products of five are below 1e308."""
+"""Largest magnitude of an input number in its unit; then a product of five numbers is below 1e308."""
 LEAST = 1e-60
-"""Smallest positive input number, in its unit: products of five are above 1e-308."""
+"""Smallest positive input number in its unit; then a product of five numbers is above 1e-308."""
 
 _Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Expression:
     _tree: ast.expr = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Parse the source, and evaluate its constant parts once."""
+        """Parse the text, and evaluate its constant parts once."""
         if isinstance(self.source, str):
             tree = parse(self.source)
         elif isinstance(self.source, Real) and not isinstance(self.source, bool):
@@ -80,7 +80,7 @@ class Expression:
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
-        """Functions at whose zeros the expression jumps or has a kink; see `signorini.expression.levels`."""
+        """Functions of x and y at whose zeros the expression jumps or has a kink; see `signorini.expression.levels`."""
         return levels(self._tree)
 
     def __call__(
@@ -92,10 +92,10 @@ class Expression:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Evaluate at points x and y of one shape; ``place`` is the place of the expression in the input, for errors.
+        """Evaluate the expression at points x and y, arrays of one shape.
 
-        Values that are not finite, not greater than ``above`` or less than ``at_least`` are refused; the message names
-        the first such point.
+        ``place`` is the expression's place in the input, for errors. Values that are not finite, not greater than
+        ``above`` or less than ``at_least`` are refused; the message names the first such point.
         """
         px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         try:
@@ -117,5 +117,5 @@ class Expression:
         return values
 
     def __str__(self) -> str:
-        """Return the source as text."""
+        """Return the text of the expression."""
         return str(self.source)

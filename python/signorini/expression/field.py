@@ -1,4 +1,4 @@
-"""Fields: values at points, linear between them, or a Python function; values per point of a support."""
+"""Values at points, linear between the points; values of a Python function; values per point of a support."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
-"""Tolerance, relative to the extent of the points, for positions on their hull and for collinear points."""
+"""Tolerance for positions on the hull and for collinear points, relative to the extent of the points."""
 
 _Array = NDArray[np.float64]
 Outside = Literal["nearest", 0]
-"""Value outside the convex hull of a table: that at the nearest point of the hull, or zero."""
+"""Value outside the convex hull of the points: "nearest", that at the nearest point of the hull, or zero."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Field:
     levels: ClassVar[tuple[Level, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Check the points."""
+        """Check the points, if the field is given by points."""
         if callable(self.given):
             return
         points, values = self._table[:, :2], self._table[:, 2]
@@ -83,7 +83,7 @@ class Field:
 
     @property
     def source(self) -> Any:
-        """The value of the input: a table with the file or the points, the points, or the function."""
+        """The value of the input file: a table with the file or the points, the list of points, or the function."""
         outside = {} if self.outside is None else {"outside": self.outside}
         if not self.file and not outside:
             return self.given
@@ -95,9 +95,9 @@ class Field:
         return self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
 
     def depth(self, positions: _Array) -> _Array:
-        """Signed distance (q,) of positions (q, 2) from the hull, relative to the extent of the points.
+        """Signed distance (q,) of positions (q, 2) from the convex hull, relative to the extent of the points.
 
-        It is positive inside, also within rounding of the hull, and ∞ for a function.
+        The distance is positive inside the hull, and within rounding of it; for a function it is ∞.
         """
         if callable(self.given):
             return np.full(len(positions), np.inf)
@@ -112,7 +112,7 @@ class Field:
         above: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Evaluate at points x and y of one shape, as `Expression` does."""
+        """Evaluate the field at points x and y, as `Expression` does."""
         px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         values = self._values(np.column_stack([px.ravel(), py.ravel()]), place).reshape(px.shape)
         wrong = ~(np.abs(values) <= LARGEST) | (values < 0.0) | (values <= (-np.inf if above is None else above))
@@ -123,11 +123,11 @@ class Field:
         return values
 
     def __str__(self) -> str:
-        """Return the file or the name of the function."""
+        """Return the name of the CSV file or of the function."""
         return self.file or getattr(self.given, "__name__", "The table")
 
     def _values(self, positions: _Array, place: str | Place) -> _Array:
-        """Values (q,) at positions (q, 2)."""
+        """Values (q,) of the field at positions (q, 2)."""
         if callable(self.given):
             values = np.asarray(self.given(*positions.T))
             if values.shape != (len(positions),) or values.dtype.kind not in "iuf":
@@ -148,7 +148,7 @@ class Field:
         return values
 
     def _nearest(self, scaled: _Array) -> _Array:
-        """Values (q,) at the points of the hull nearest to scaled positions (q, 2)."""
+        """Values (q,) at the points of the hull that are nearest to scaled positions (q, 2)."""
         corners = self._hull.vertices
         places, heights = self._scaled(self._table[corners, :2]), self._table[corners, 2]
         best, values = np.full(len(scaled), np.inf), np.zeros(len(scaled))
@@ -176,7 +176,7 @@ class Field:
         return ConvexHull(self._scaled(self._table[:, :2]))
 
     def _scaled(self, positions: _Array) -> _Array:
-        """Positions (q, 2) relative to the center and the extent of the points: independent of units and origin."""
+        """Convert positions (q, 2) to coordinates from the center of the points, in units of the points' extent."""
         low, high = self.box
         return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))
 
@@ -205,17 +205,17 @@ class PointValues:
 
     @property
     def is_constant(self) -> bool:
-        """Whether all values are equal."""
+        """Whether all values of the list are equal."""
         return len(set(self.values)) == 1
 
     @property
     def value(self) -> float:
-        """The first value; for a constant list the value of all points."""
+        """The first value of the list; if the list is constant, the value at all points."""
         return self.values[0]
 
     @property
     def source(self) -> list[float]:
-        """The list of the input."""
+        """The list of values as in the input."""
         return list(self.values)
 
     def __call__(
@@ -227,7 +227,7 @@ class PointValues:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Return the value of the nearest point; bounds are checked when the list is read."""
+        """Return at each position x, y the value of the nearest point; bounds are checked when the input is read."""
         from scipy.spatial import cKDTree
 
         at = np.stack(np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64)), axis=-1)

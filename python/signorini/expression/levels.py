@@ -20,18 +20,18 @@ from numpy.typing import NDArray
 from signorini.expression.tree import evaluate, operands
 
 _ZERO = 1e-14
-"""Relative tolerance for a zero coefficient, relative to the largest of its degree."""
+"""Coefficients below this fraction of the largest one of their degree count as zero."""
 
 _NAMED = {"pi": math.pi, "e": math.e}
 
 
 _MAX_LINES = 200
-"""Largest number of steps of a floor or ceil that become lines; no mesh follows more."""
+"""Largest number of steps of a ``floor`` or ``ceil`` that give lines; a mesh could not follow more."""
 Box = tuple[float, float, float, float]
 
 
 Polynomial: TypeAlias = NDArray[np.float64]
-"""Coefficients (3, 3) of xⁱyʲ, i + j ≤ 2."""
+"""Coefficients (3, 3) of a polynomial of degree two: entry [i, j] belongs to xⁱyʲ, i + j ≤ 2."""
 _DEGREE = np.add.outer(np.arange(3), np.arange(3))
 
 
@@ -40,7 +40,7 @@ def _constant(value: float) -> Polynomial:
 
 
 def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
-    """The product; None if its degree exceeds two."""
+    """Product of two polynomials; None if its degree exceeds two."""
     full = np.zeros((5, 5))
     for i, j in np.argwhere(a):
         full[i : i + 3, j : j + 3] += a[i, j] * b
@@ -49,7 +49,7 @@ def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
 
 
 def _cleaned(a: Polynomial) -> Polynomial:
-    """The coefficients, with rounding errors relative to others of their degree set to zero."""
+    """Set coefficients to zero that are within rounding of zero, relative to others of their degree."""
     largest = [np.abs(a[degree == _DEGREE]).max() for degree in range(5)]
     return np.where(np.abs(a) > _ZERO * np.array(largest)[_DEGREE], a, 0.0)
 
@@ -59,7 +59,7 @@ def _is_constant(a: Polynomial) -> bool:
 
 
 def _zeros(a: Polynomial) -> Drawing:
-    """Lines x = c, lines y = c and circles on which a polynomial is zero; empty for other curves."""
+    """Lines x = c, lines y = c and circles on which a polynomial is zero; none for other curves."""
     (constant, y, yy), (x, xy, _), (xx, _, _) = _cleaned(a).tolist()
     if not (xy or yy or y):
         return Drawing(x_lines=_roots(xx, x, constant))
@@ -81,7 +81,7 @@ def _roots(square: float, linear: float, constant: float) -> tuple[float, ...]:
 
 
 def polynomial(node: ast.expr) -> Polynomial | None:
-    """The polynomial of a checked syntax tree; None if its degree exceeds two."""
+    """Convert a checked syntax tree to a polynomial; None if its degree exceeds two or it is no polynomial."""
     match node:
         case ast.Constant():
             return _constant(float(node.value))  # type: ignore[arg-type]
@@ -123,39 +123,39 @@ def _joined(a: Polynomial, op: ast.operator, b: Polynomial) -> Polynomial | None
 
 @dataclass(frozen=True)
 class Drawing:
-    """Lines and circles at which an expression jumps: abscissae, ordinates, and circles as x, y, radius."""
+    """Lines x = c, lines y = c and circles (x, y, radius) at which an expression jumps."""
 
     x_lines: tuple[float, ...] = ()
     y_lines: tuple[float, ...] = ()
     circles: tuple[tuple[float, float, float], ...] = ()
 
     def radii(self, center: tuple[float, float]) -> tuple[float, ...]:
-        """Radii of the circles around a point."""
+        """Radii of those circles that have this center."""
         return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def __add__(self, other: Drawing) -> Drawing:
-        """Union of two drawings."""
+        """Join the lines and circles of two drawings."""
         return Drawing(self.x_lines + other.x_lines, self.y_lines + other.y_lines, self.circles + other.circles)
 
 
 @dataclass(frozen=True)
 class Level:
-    """A level function of x and y: at its zeros an expression jumps or has a kink."""
+    """A function of x and y at whose zeros an expression jumps, or only has a kink."""
 
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials with the zeros of the function, if there are any; for ``floor`` and ``ceil`` their argument."""
+    """Polynomials whose zeros are those of the function, if known; for ``floor`` and ``ceil`` the argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values (q,) at points (q, 2); NaN where undefined."""
+        """Values (q,) of the function at points (q, 2); NaN where it is undefined."""
         x, y = np.ascontiguousarray(points.T)
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_to(evaluate(self._tree, x, y, strict=False), x.shape), dtype=np.float64)
 
     def drawing(self, box: Box) -> Drawing:
-        """Lines x = c, lines y = c and circles among the jumps in a box (xmin, ymin, xmax, ymax)."""
+        """Lines x = c, lines y = c and circles in a box (xmin, ymin, xmax, ymax) at which the expression jumps."""
         drawing = Drawing()
         with np.errstate(all="ignore"):
             for curve in self._curves if self.jumps else ():
@@ -167,7 +167,7 @@ class Level:
 
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
-    """Yield polynomials whose zeros are the places where a linear function is an integer."""
+    """Yield polynomials that are zero where the linear function ``inner`` is an integer in the box."""
     ends = [float(np.polynomial.polynomial.polyval2d(x, y, inner)) for x in box[::2] for y in box[1::2]]
     if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MAX_LINES:
         for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):
@@ -175,7 +175,7 @@ def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
 
 
 def levels(tree: ast.expr) -> tuple[Level, ...]:
-    """The distinct level functions of a checked tree; those with jumps are first."""
+    """The different level functions of a checked syntax tree, first those at which the expression jumps."""
     found: dict[str, Level] = {}
     with np.errstate(all="ignore"):
         for level in _levels(tree):
@@ -193,7 +193,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # Linear at its zeros, so that straight steps are cut exactly.
+            # For the argument u, asin(sin(πu)) is linear near its zeros, so that straight steps are cut exactly.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )
@@ -220,7 +220,7 @@ def _difference(left: ast.expr, right: ast.expr) -> ast.expr:
 
 
 def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
-    """Polynomials whose zeros approximate the set where two trees are equal."""
+    """Polynomials whose zeros include the points where two syntax trees are equal; empty if unknown."""
     for side, other in ((left, right), (right, left)):
         match side:
             case ast.Call(func=ast.Name(id="min" | "max"), args=values):

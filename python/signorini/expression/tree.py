@@ -1,4 +1,4 @@
-"""The syntax tree of an expression in x and y: parsed, checked, evaluated."""
+"""Syntax trees of expressions in x and y: parse, check and evaluate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from signorini.errors import InputError, point, unknown
 _MAX_LENGTH = 2000
 """Largest number of characters of an expression."""
 _MAX_DEPTH = 80
-"""Largest depth of a syntax tree, below Python's recursion limit."""
+"""Largest depth of a syntax tree: below the recursion limit of Python."""
 _CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_+-*/().,<>=! ")
 
 _Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.Or: np.logical_or,
 }
 
-# name: (function of arrays, smallest and largest number of arguments)
+# for each name the function of arrays, and its smallest and largest number of arguments
 _FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
     **{name: (getattr(np, name), 1, 1) for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan")},
     **{name: (getattr(np, name), 1, 1) for name in ("sinh", "cosh", "tanh", "abs", "sign", "floor", "ceil")},
@@ -59,7 +59,7 @@ _NAMES = [*_FUNCTIONS, *_CONSTANTS, "x", "y"]
 
 
 def parse(source: str) -> ast.expr:
-    """Parse a text into a syntax tree, which `check` restricts to arithmetic."""
+    """Parse a text into a syntax tree, which `check` then restricts to arithmetic."""
     text = " ".join(source.split())
     if not text:
         raise InputError("The expression is empty.")
@@ -82,7 +82,7 @@ def parse(source: str) -> ast.expr:
 
 
 def check(node: ast.expr, depth: int) -> bool:
-    """Refuse nodes that are not arithmetic, and evaluate a constant node; return whether the node is constant."""
+    """Refuse a node that is not arithmetic, and evaluate constant nodes; return whether the node is constant."""
     if depth > _MAX_DEPTH:
         raise InputError("The expression is nested too deeply; write it more simply.")
     match node:
@@ -122,7 +122,7 @@ def check(node: ast.expr, depth: int) -> bool:
 
 
 def operands(node: ast.expr) -> list[ast.expr]:
-    """The operands of a node."""
+    """The operands or arguments of a node."""
     match node:
         case ast.Call():
             return node.args
@@ -139,9 +139,9 @@ def operands(node: ast.expr) -> list[ast.expr]:
 
 
 def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
-    """Value of a checked node: an array of x's shape, or a scalar if it is constant.
+    """Value of a checked node at points x and y: an array, or a scalar if the node is constant.
 
-    With ``strict``, NaN and infinite values raise an InputError.
+    If ``strict`` is True, NaN and infinite values raise an InputError.
     """
     match node:
         case ast.Constant():
@@ -175,7 +175,7 @@ def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
 
 
 def _evaluate_where(mask: NDArray[np.bool_], node: ast.expr, x: _Array, y: _Array, strict: bool) -> _Array:
-    """Evaluate at the points of the mask; zero at other points."""
+    """Evaluate a node only at the points that the mask marks; the result is zero at the other points."""
     values = np.zeros(x.shape)
     if mask.any():
         values[mask] = evaluate(node, x[mask], y[mask], strict)
@@ -192,10 +192,10 @@ def _not_finite(node: ast.expr, values: list[Any], wrong: NDArray[np.bool_], x: 
 
 
 def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
-    """Text of the first point, x and y, that the mask marks."""
+    """Text "[x, y]" of the first point that the mask marks."""
     return point((x[mask].flat[0], y[mask].flat[0]))
 
 
 def short(text: str) -> str:
-    """Shorten a text for a message."""
+    """Cut a text for a message after 57 characters, if it has more than 60."""
     return text if len(text) <= 60 else text[:57] + "..."

@@ -1,4 +1,4 @@
-"""Read a model from a TOML file; the JSON Schema of such files."""
+"""Read a model from a TOML file; make the JSON Schema of such files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ from signorini.model.problems import LISTS
 _LARGEST_FILE = 4_000_000
 """Largest size of an input file in bytes; larger data belong in CSV files."""
 _MAX_KEY_PARTS = 16
-"""Largest number of parts of a dotted key: the memory of tomllib grows with its square; the model needs 4."""
+"""Largest number of parts of a dotted key; the model needs 4. The memory of tomllib grows with the square of this
+number.
+"""
 
 
 @checked
@@ -78,7 +80,7 @@ def loads(text: str) -> Model:
 
 
 def _model(text: str, source: str, directory: Path) -> Model:
-    """Parse and validate a text; file names are resolved against ``directory``."""
+    """Parse and validate a text; file names in it are relative to ``directory``."""
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
     tables = data.get("combination")
@@ -96,9 +98,9 @@ def _model(text: str, source: str, directory: Path) -> Model:
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
-    """Add the file and line to the places of an error that was raised after reading.
+    """Add file and line to the places of an error that was raised after the file was read.
 
-    Places outside the model are unchanged.
+    A place that is not in the model remains unchanged.
     """
     if not any(part.path for part in error.parts):
         return error
@@ -139,7 +141,7 @@ def _decoded(content: bytes, path: str | os.PathLike[str]) -> str:
 
 
 def _parse(text: str, source: str) -> dict[str, Any]:
-    # The memory of tomllib grows with the square of the length of a dotted key.
+    # The memory of tomllib grows with the square of the number of parts of a dotted key.
     keys = without_strings(text)
     for segment in re.split(r"[=,\[\]{}\n]", keys):
         if segment.count(".") >= _MAX_KEY_PARTS and sum(map(bool, segment.split("."))) > _MAX_KEY_PARTS:
@@ -163,14 +165,14 @@ def _parse(text: str, source: str) -> dict[str, Any]:
 
 
 def _syntax(message: str, text: str) -> tuple[str, int, str]:
-    """Split the message of tomllib into the problem, the line and the column."""
+    """Split a message of tomllib into the problem, the line number, and the column as text."""
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:
         return message, 1, ""
     problem = match.group(1)[:1].lower() + match.group(1)[1:]
     last = text.rstrip().count("\n") + 1 if match.group(2) is None else int(match.group(2))
     if problem == "unclosed array":
-        # tomllib reports the line after the list.
+        # tomllib reports the line after the list; the list begins at the last line with an open bracket.
         opened = [i for i, line in enumerate(text.split("\n")[:last], start=1) if re.search(r"=\s*\[[^\]]*$", line)]
         return "this list has no closing ]", opened[-1] if opened else last, ""
     if match.group(2) is None:
@@ -201,12 +203,15 @@ def schema() -> dict[str, Any]:
 
 class _SchemaGenerator(GenerateJsonSchema):
     def encode_default(self, dft: Any) -> Any:
-        """Encode a default expression as its number or text."""
+        """Encode a default value that is an expression as the number or text of the expression."""
         return dft.source if isinstance(dft, Expression) else super().encode_default(dft)
 
 
 def _for_toml(node: Any, *, is_name_table: bool = False) -> Any:
-    """Remove null, for which TOML has no value, and titles; shorten descriptions to their first paragraph."""
+    """Adapt a JSON Schema to TOML: without null, which TOML lacks, and without titles.
+
+    Descriptions are shortened to their first paragraph.
+    """
     if isinstance(node, list):
         return [_for_toml(item) for item in node]
     if not isinstance(node, dict):

@@ -1,4 +1,4 @@
-"""Write columns to a Parquet file, block by block."""
+"""Write tables to Parquet files in blocks of rows."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ Blocks = Mapping[str, npt.NDArray[Any]]
 
 
 class Sink(Protocol):
-    """Writes blocks of the same columns."""
+    """Function that appends blocks of rows to a file; all blocks have the same columns."""
 
     def __call__(self, columns: Iterable[tuple[str, Column]]) -> None:
-        """Write a block as a row group of the file."""
+        """Append a block of rows, given as pairs of column name and values, as a row group."""
 
 
 def widen(
@@ -29,7 +29,7 @@ def widen(
 ) -> None:
     """Add columns to a Parquet file, computed from its columns and those of other files with the same rows.
 
-    ``derive`` computes the new columns of a block from the numbers of the block in this file and in the others.
+    For each block of rows ``derive`` gets the numbers of this file and of each other file, and returns the new columns.
     """
     file = pq.ParquetFile(path)
     metadata = {name.decode(): text.decode() for name, text in (file.schema_arrow.metadata or {}).items()}
@@ -43,14 +43,14 @@ def widen(
 
 
 class _Rows:
-    """Reads consecutive rows of a file in blocks of any size."""
+    """Reads consecutive rows of a Parquet file in blocks of any size."""
 
     def __init__(self, file: pq.ParquetFile) -> None:
         self._groups = (file.read_row_group(group) for group in range(file.num_row_groups))
         self._unread: Any = None
 
     def take(self, count: int) -> Any:
-        """Return the next ``count`` rows."""
+        """Return the next ``count`` rows of the file."""
         while self._unread is None or len(self._unread) < count:
             group = next(self._groups)
             self._unread = group if self._unread is None else pa.concat_tables([self._unread, group])
@@ -59,17 +59,17 @@ class _Rows:
 
 
 def _numbers(block: Any) -> Blocks:
-    """Columns of numbers, with NaN for absent values."""
+    """Numeric columns of a block of rows by name; absent values are NaN."""
     columns = zip(block.schema.names, block.schema.types, strict=True)
     return {name: block.column(name).to_numpy() for name, kind in columns if pa.types.is_floating(kind)}
 
 
 @contextmanager
 def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterator[Sink]:
-    """Context that writes a Parquet file atomically at its end.
+    """Context with a function that appends blocks of rows to a Parquet file.
 
-    The sink takes pairs of a name and an array or a list of texts; NaN is an absent value. The metadata are in the
-    schema of the file.
+    At the end of the context the file appears, complete or not at all. A block is pairs of column name and array or
+    list of texts; NaN is an absent value. The metadata are stored in the schema of the file.
     """
     with replacing(path) as temporary:
         writer: pq.ParquetWriter | None = None

@@ -1,4 +1,4 @@
-"""Additions to `tomllib`: line numbers of keys, and hints for invalid TOML."""
+"""Additions to `tomllib`: line numbers of keys, and hints on how to correct invalid TOML."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 def without_strings(text: str) -> str:
-    """Remove strings and comments, but no line breaks; an unclosed string extends to the end of the text."""
+    """Replace strings by "" and remove comments; line breaks remain. An unclosed string extends to the end."""
     return _TOKENS.sub(lambda token: "" if token["comment"] else '""' + "\n" * token.group().count("\n"), text)
 
 
 class Lines:
     """Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
 
-    A path that is not in the text gets the line of the innermost table of the text that contains it.
+    For a path that is not in the text, the line is that of the innermost table in the text that contains the path.
     """
 
     def __init__(self, text: str) -> None:
@@ -37,11 +37,11 @@ class Lines:
         self._position = 0
         self._lines: dict[Path, int] = {(): 1}
         self._counts: dict[Path, int] = {}
-        with contextlib.suppress(RecursionError):  # Deeper keys get the line of their table.
+        with contextlib.suppress(RecursionError):  # too deeply nested keys get the line of their table
             self._read_document()
 
     def of(self, path: Path) -> int:
-        """Line of a path, or of its longest beginning that the text has."""
+        """Line number of a path or, if the text lacks it, of the longest part of the path that the text has."""
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]
@@ -59,7 +59,7 @@ class Lines:
                 self._key_and_value(table)
 
     def _header(self, key: Path, double: bool, line: int) -> Path:
-        """Path of the table of a header; double brackets append a table to a list."""
+        """Path of the table that a header begins; a header in double brackets appends a table to a list."""
         path: Path = ()
         for index, part in enumerate(key):
             path = (*path, part)
@@ -82,7 +82,7 @@ class Lines:
         self._value(path)
 
     def _key(self) -> Path:
-        """Read a key, dotted or not, and the surrounding blanks."""
+        """Read a key and the blanks around it; return its parts, of which a dotted key has several."""
         parts: list[str | int] = []
         while True:
             self._skip_blank()
@@ -139,7 +139,8 @@ class Lines:
 _NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
 _ENDS = r"\s*(?:[,}\]#].*)?$"
 
-# Patterns of frequent errors in the line at which the parser stopped, with the hint for each; the first match counts.
+# Frequent errors: a pattern of the line at which the parser stopped, and the hint. The first pattern that matches
+# counts.
 _SLIPS: tuple[tuple[str, str], ...] = (
     (r"^(?://|;|%|--)", "A comment begins with #."),
     (r"[“”„‘’«»]", "Quotes are straight: \" or '."),
@@ -178,9 +179,9 @@ _SLIPS: tuple[tuple[str, str], ...] = (
 
 
 def hint(problem: str, line: str, lists: Collection[str]) -> str:
-    """Hint at the correct TOML; empty if no rule applies.
+    """Hint on how to correct a line of invalid TOML; empty if no pattern matches.
 
-    ``problem`` is the parser's message for ``line``; ``lists`` are the tables in double brackets.
+    ``problem`` is the parser's message for ``line``; ``lists`` are the tables that need double brackets.
 
     Examples
     --------

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
 _TRIANGLE_NODES = [0, 1, 2, 4, 5, 7]
-"""Positions of the six nodes of a triangle stored as [a, b, c, c, ab, bc, c, ca]."""
+"""Indices of the six different nodes in a triangle [a, b, c, c, ab, bc, c, ca]."""
 
 
 def as_meshio(
@@ -27,9 +27,10 @@ def as_meshio(
     """Return a meshio mesh in the plane z = 0 with fields; quadrilaterals precede triangles.
 
     Points (n, 2) are in the model's unit of length. A triangle among the elements (e, 8) is [a, b, c, c, ab, bc, c,
-    ca]. Scalars keep their signs (deflection positive down); to warp, add the vectors of `displacement_vector`.
+    ca]. Scalars keep their signs (deflection is positive down). To draw the deformed plate, add the vectors of
+    `displacement_vector`.
     """
-    # Imported here: meshio is slow to import and rarely needed.
+    # Imported here, because meshio is rarely needed and slow to import.
     import meshio
 
     triangles = elements[:, 2] == elements[:, 3]
@@ -44,7 +45,7 @@ def as_meshio(
 
 
 def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping[str, str] | None = None) -> None:
-    """Write a mesh to a compressed binary VTK file, atomically; metadata are a comment at its beginning."""
+    """Write a mesh to a compressed binary VTK file, atomically; the metadata become a comment at its beginning."""
     import meshio
 
     # A comment in XML must not contain "--".
@@ -57,7 +58,7 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping
 
 
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:
-    """Return the vectors (0, 0, -w) of deflections w, positive down, for z up: for *Warp By Vector* of ParaView."""
+    """Return vectors (0, 0, -w) of deflections w, positive down, for *Warp By Vector* of ParaView, with z up."""
     down = np.asarray(deflection, dtype=float)
     vectors = np.zeros((len(down), 3))
     vectors[:, 2] = -down

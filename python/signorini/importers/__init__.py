@@ -1,1 +1,1 @@
-"""DXF drawings to input files, for the command `import-dxf` only."""
+"""Conversion of DXF drawings to input files; only the command `import-dxf` uses it."""

@@ -1,4 +1,4 @@
-"""Geometry of a drawn plate, in metres: closed lines, open lines, points, and center lines of walls."""
+"""Geometry of a drawn plate [m]: closed lines, open lines, points, and center lines of walls."""
 
 from __future__ import annotations
 
@@ -20,54 +20,62 @@ from signorini.shapes.distances import Targets
 from signorini.shapes.regions import inside, overlap
 
 GAP = 1e-3
-"""Distance [m] of equal points: below any built dimension, above the inaccuracy of drawn ends."""
+"""Largest distance [m] of points that coincide: below any built dimension, above the inaccuracy of drawn ends."""
 _WALL = 3.0
-"""Smallest length over width of a rectangle that is a wall."""
+"""Smallest ratio of length to width of a rectangle that counts as a wall."""
 _MAX_PLACES = 3
 """Largest number of points that a message lists."""
 _FINE = math.radians(4)
-"""Largest turn [rad] of a chord in place of an arc."""
+"""Largest angle [rad] of a part of an arc that is replaced by a chord."""
 _FINER = math.radians(0.2)
-"""Largest turn [rad] of a chord in the test whether a point is inside: within 2e-6 of the radius."""
+"""The same for the test whether a point is inside: chords then deviate by at most 2e-6 of the radius."""
 _ON_PLATE = 1e-6
-"""Distance [m] from the plate that counts as rounding: the last digit of the input file."""
+"""Distance [m] from the plate within which a point counts as on it: the last digit of the input file."""
 _PASSES = 8
-"""Largest number of moves onto the plate; at a corner each edge needs a move."""
+"""Largest number of moves of a footprint onto the plate; at a corner each of the two edges needs a move."""
 
 
 Spot = tuple[float, float]
 """A point (x, y) [m]."""
 Footprint = tuple[float, ...]
-"""(a, b) [m] of a rectangle, (a, b, degrees) of a rotated rectangle, (r,) [m] of a circle, () of a point."""
+"""Size of a footprint [m]: (a, b) of a rectangle, (a, b, degrees) of a rotated rectangle, (r,) of a circle, () of a
+point.
+"""
 _UNIT_CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 class Corner(NamedTuple):
-    """A corner (x, y) [m] and the bulge tan(φ/4) of the side that begins there: φ is the arc's angle, positive left."""
+    """A corner (x, y) [m] and the bulge tan(φ/4) of the side that begins there.
+
+    φ is the angle of the arc, positive if it turns left, and 0 for a straight side.
+    """
 
     x: float
     y: float
     bulge: float = 0.0
 
     def is_at(self, other: Corner) -> bool:
-        """Whether both are the same point."""
+        """Whether two corners are at the same point, within `GAP`."""
         return max(abs(self.x - other.x), abs(self.y - other.y)) < GAP
 
 
 @dataclass(frozen=True)
 class Loop:
-    """A closed line: sides from corner to corner, or a circle with its center as the only corner and ``radius`` [m]."""
+    """A closed line with sides from corner to corner, or a circle.
+
+    A circle has its center as the only corner, and a ``radius`` [m].
+    """
 
     corners: tuple[Corner, ...]
     radius: float = 0.0
 
     def __iter__(self) -> Iterator[tuple[Corner, Corner]]:
-        """Iterate over the sides as pairs of corners."""
+        """Iterate over the sides as pairs of their first and last corner."""
         return zip(self.corners, self.corners[1:] + self.corners[:1], strict=True)
 
     @property
     def area(self) -> float:
-        """Enclosed area [m²]."""
+        """Enclosed area [m²], positive for either orientation of the line."""
         total = math.pi * self.radius**2
         origin = self.corners[0]
         for a, b in self:
@@ -80,19 +88,19 @@ class Loop:
 
     @property
     def box(self) -> tuple[float, float, float, float]:
-        """Bounding box (x0, y0, x1, y1) [m] of the corners or of the circle."""
+        """Bounding box (xmin, ymin, xmax, ymax) [m] of the corners or of the circle."""
         x, y = [c.x for c in self.corners], [c.y for c in self.corners]
         return min(x) - self.radius, min(y) - self.radius, max(x) + self.radius, max(y) + self.radius
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Center [m] of the bounding box."""
+        """Center (x, y) [m] of the bounding box."""
         left, bottom, right, top = self.box
         return (left + right) / 2, (bottom + top) / 2
 
     @property
     def sides(self) -> tuple[float, float] | None:
-        """Side lengths [m] along x and y; None unless it is a rectangle parallel to the axes."""
+        """Side lengths [m] along x and y of a rectangle parallel to the axes; None for other lines."""
         left, bottom, right, top = self.box
         at_corners = all(
             c.bulge == 0 and min(c.x - left, right - c.x) < GAP and min(c.y - bottom, top - c.y) < GAP
@@ -103,7 +111,7 @@ class Loop:
 
     @property
     def turned_sides(self) -> tuple[float, float, float] | None:
-        """Side lengths [m] and the angle [°] of the first side, -45 to 45; None unless it is a rectangle."""
+        """Side lengths [m] of a rectangle and the angle of its first side, -45° to 45°; None for other lines."""
         if not self.is_rectangle:
             return None
         a, b, c, _ = self.corners
@@ -114,13 +122,16 @@ class Loop:
 
     @property
     def footprint(self) -> Footprint | None:
-        """Footprint rounded to millimetres; None unless it is a circle or a rectangle."""
+        """Size of a circle or rectangle, rounded to millimetres; None for other lines."""
         size = (self.radius,) if self.radius else self.sides or self.turned_sides
         return None if size is None else tuple(round(part, 3) for part in size)
 
     @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners [m] of the center line; None unless it outlines a wall of constant thickness, 3 times as long."""
+        """Corners [m] of the center line of a wall; None unless the line is the outline of a wall.
+
+        A wall has constant thickness, and its length is at least 3 times the thickness.
+        """
         if self.radius or any(corner.bulge for corner in self.corners):
             return None
         corners = [b for a, b, c in _triples(self.corners) if off_line(b, a, c) > GAP]
@@ -135,7 +146,7 @@ class Loop:
 
     @property
     def is_rectangle(self) -> bool:
-        """Whether it is a rectangle in any direction."""
+        """Whether the line is a rectangle, parallel to the axes or not."""
         if len(self.corners) != 4 or any(corner.bulge for corner in self.corners):
             return False
         a, b, c, d = self.corners
@@ -144,11 +155,11 @@ class Loop:
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:
-        """Corners [m], and points of arcs at most 4° apart."""
+        """Corners [m] of the line, and points of its arcs at most 4° apart."""
         return self.chords(_FINE)
 
     def chords(self, turn: float) -> list[tuple[float, float]]:
-        """At least three points [m]: corners, and points of arcs whose chords turn by at most ``turn`` [rad]."""
+        """At least three points [m]: corners, and points of arcs at most ``turn`` [rad] apart."""
         if self.radius:
             right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
             return Loop((right, left)).chords(turn)
@@ -158,7 +169,7 @@ class Loop:
 
     @cached_property
     def is_simple(self) -> bool:
-        """Whether it does not cross or touch itself."""
+        """Whether the line neither crosses nor touches itself."""
         try:
             return bool(self.radius) or Polygon(tuple(self.points)).area > 0
         except InputError:
@@ -166,7 +177,7 @@ class Loop:
 
     @property
     def is_thin(self) -> bool:
-        """Whether all points lie on a straight line."""
+        """Whether all points of the line are on a straight line."""
         x, y = max(self.points, key=lambda point: math.dist(point, self.points[0]))
         far = max(self.points, key=lambda point: math.dist(point, (x, y)))
         length = math.dist(far, (x, y))
@@ -175,53 +186,53 @@ class Loop:
 
     @cached_property
     def _fine(self) -> Floats:
-        """Corners (k, 2) [m] of a polygon that approximates the loop finely."""
+        """Corners (k, 2) [m] of a polygon that approximates the line within 2e-6 of the radius of its arcs."""
         return np.array(self.chords(_FINER))
 
     @cached_property
     def sides_drawn(self) -> Targets:
-        """Straight sides and arcs, for distances."""
+        """Straight sides and arcs of the line, for the computation of distances."""
         if self.radius:
             return Targets.of(arcs=[(*self.corners[0][:2], self.radius, 0.0, math.tau)])
         return Targets.on((a[:2], through(a, b) if a.bulge else None, b[:2]) for a, b in self)
 
     def has(self, points: Iterable[tuple[float, float]]) -> Bools:
-        """Mask of the points inside."""
+        """Mask (q,) of the points (q, 2) inside the line."""
         return inside(np.array([*points]).reshape(-1, 2), self._fine)
 
     def near(self, points: Iterable[tuple[float, float]]) -> Bools:
-        """Mask of the points on a side."""
+        """Mask (q,) of the points (q, 2) that are on a side, within `GAP`."""
         _, far = self.sides_drawn.nearest(np.array([*points]).reshape(-1, 2))
         return np.asarray(far < GAP)
 
     def holds(self, other: Loop) -> bool:
-        """Whether another loop is inside and away from the sides."""
+        """Whether another line is inside this line without touching it."""
         return other.area < self.area and bool((self.has(other.points) & ~self.near(other.points)).all())
 
     def covers(self, points: Sequence[tuple[float, float]]) -> bool:
-        """Whether all points are inside or on a side."""
+        """Whether all points are inside this line or on a side."""
         return bool((self.has(points) | self.near(points)).all())
 
 
 def place(xy: tuple[float, float]) -> str:
-    """Write a point [m] for a message."""
+    """Write a point [m] as "[x, y]" for a message."""
     return point(xy, size=1.0)
 
 
 def about(places: Sequence[tuple[float, float]]) -> str:
-    """Write the first few of several points for a message."""
+    """Write the first three points of a list for a message: ", at [x, y], ..."."""
     more = ", …" if len(places) > _MAX_PLACES else ""
     return f", at {', '.join(map(place, places[:_MAX_PLACES]))}{more}"
 
 
 def off_line(at: Corner, a: Corner, b: Corner) -> float:
-    """Distance [m] of a point from the line through a and b."""
+    """Distance [m] of the point ``at`` from the straight line through a and b."""
     x, y, length = b.x - a.x, b.y - a.y, math.dist(a[:2], b[:2])
     return abs(x * (at.y - a.y) - y * (at.x - a.x)) / length if length else math.dist(at[:2], a[:2])
 
 
 def between(first: Sequence[Corner], second: Sequence[Corner]) -> tuple[tuple[float, float], ...] | None:
-    """Corners [m] of the center line of two polylines of constant distance; None if the distance varies."""
+    """Corners [m] of the line midway between two polylines; None if their distance is not constant."""
     distances = []
     for (a, b), (c, d) in zip(itertools.pairwise(first), itertools.pairwise(second), strict=True):
         along = (b.x - a.x) * (d.x - c.x) + (b.y - a.y) * (d.y - c.y)
@@ -236,12 +247,12 @@ def between(first: Sequence[Corner], second: Sequence[Corner]) -> tuple[tuple[fl
 
 
 def _triples(corners: Sequence[Corner]) -> Iterator[tuple[Corner, Corner, Corner]]:
-    """Iterate over (previous, corner, next)."""
+    """Iterate over triples (previous corner, corner, next corner) of a closed line."""
     return zip((*corners[-1:], *corners[:-1]), corners, (*corners[1:], *corners[:1]), strict=True)
 
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:
-    """Points of an open line; arcs become chords that turn by at most ``turn`` [rad]."""
+    """Points [m] of an open line; arcs are replaced by chords of at most ``turn`` [rad]."""
     points = [(line[0].x, line[0].y)]
     for a, b in itertools.pairwise(line):
         chords = math.ceil(abs(4 * math.atan(a.bulge)) / turn) if a.bulge else 1
@@ -250,7 +261,7 @@ def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:
 
 
 def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
-    """Point of an arc at a fraction ``part`` of its length."""
+    """Point [m] of the arc from a to b at the fraction ``part`` of its length."""
     half = 2 * math.atan(a.bulge)
     turn = 2 * half * part
     radius = math.hypot(b.x - a.x, b.y - a.y) / (2 * math.sin(half))
@@ -260,12 +271,12 @@ def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
 
 
 def through(a: Corner, b: Corner) -> tuple[float, float]:
-    """Middle [m] of the arc from a to b."""
+    """Middle (x, y) [m] of the arc from a to b."""
     return (a.x + b.x + a.bulge * (b.y - a.y)) / 2, (a.y + b.y - a.bulge * (b.x - a.x)) / 2
 
 
 def footprint_at(at: tuple[float, float], size: Footprint) -> Loop:
-    """The outline of a footprint around a point [m]."""
+    """Outline of a footprint of this size with its center ``at`` a point [m]."""
     if len(size) == 1:
         return Loop((Corner(*at),), size[0])
     along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
@@ -275,13 +286,13 @@ def footprint_at(at: tuple[float, float], size: Footprint) -> Loop:
 
 @dataclass(frozen=True)
 class Slab:
-    """Outline and holes of a plate."""
+    """Outline of a plate, and outlines of its holes."""
 
     outline: Loop
     holes: Sequence[Loop]
 
     def beyond(self, points: Iterable[tuple[float, float]]) -> Floats:
-        """Vectors (q, 2) [m] from points outside the plate to the nearest point of its edges; zero for points on it."""
+        """Vector (q, 2) [m] from each point outside the plate to the nearest edge point; zero for others."""
         xy = np.array([*points]).reshape(-1, 2)
         off = np.any([~self.outline.has(xy), *(hole.has(xy) for hole in self.holes)], axis=0)
         return np.where(off[:, None], self._edges.nearest(xy)[0] - xy, 0.0)
@@ -295,7 +306,7 @@ class Slab:
         return bool((np.hypot(*self.beyond(points).T) <= within).all())
 
     def _push(self, shape: Loop) -> complex:
-        """Vector [m] that moves the point of a shape farthest from the plate onto an edge."""
+        """Vector [m] by which a shape must move so that its point farthest outside the plate is on an edge."""
         if not shape.radius:
             return max((complex(x, y) for x, y in self.beyond(shape.points).tolist()), key=abs)
         middle = np.array([shape.corners[0][:2]])
@@ -304,7 +315,7 @@ class Slab:
         return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
 
     def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
-        """Center [m] to which a footprint is moved to be on the plate; None if that is over √2 ``most`` [m] away."""
+        """Center [m] of a footprint after moves onto the plate; None if it would move by more than √2 ``most`` [m]."""
         place = complex(*at)
         for _ in range(_PASSES):
             push = self._push(footprint_at((place.real, place.imag), size))
@@ -316,7 +327,7 @@ class Slab:
         return None
 
     def cut(self, at: tuple[float, float], size: Footprint) -> tuple[tuple[float, float], Footprint] | None:
-        """Center and size of the part of a rectangle on the plate; None if that part is not a rectangle."""
+        """Center and size of the part of a rectangle that is on the plate; None if that part is not a rectangle."""
         whole, place, sides = footprint_at(at, size), complex(*at), np.array(size[:2])
         along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
         for _ in range(_PASSES if len(size) > 1 else 0):
@@ -335,7 +346,7 @@ class Slab:
 
 
 class Lost(NamedTuple):
-    """Shapes of a role that were left out: their number and the message that names them."""
+    """Shapes of a role that were not imported: the role, their number, and the message about them."""
 
     role: str
     number: int
@@ -344,25 +355,25 @@ class Lost(NamedTuple):
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawn plate; lengths in metres."""
+    """A drawn plate: its shapes by their roles; lengths in metres."""
 
     outline: Loop
     holes: tuple[Loop, ...]
     zones: tuple[Loop, ...]
-    """Zones with another thickness or material."""
+    """Outlines of zones with another thickness or material."""
     points: dict[Footprint, list[tuple[float, float]]]
-    """Points (x, y) [m] by their footprint."""
+    """Positions (x, y) [m] of point supports, by the size of their footprints."""
     lines: tuple[tuple[Corner, ...], ...]
-    """Open lines with arcs."""
+    """Open lines with straight sides and arcs, which become supports."""
     took: tuple[str, ...]
     left: tuple[str, ...]
-    """Messages about every layer: shapes that were used, and shapes that were left out."""
+    """Messages about shapes of the drawing that were not imported."""
     lost: tuple[Lost, ...] = ()
-    """The shapes named in ``left``."""
+    """Numbers of shapes that were not imported, with their messages."""
 
     @property
     def counts(self) -> list[str]:
-        """Numbers of used and drawn shapes of each role."""
+        """For each role a text with the numbers of imported and of drawn shapes."""
         used = {"holes": len(self.holes), "zones": len(self.zones), "points": sum(map(len, self.points.values()))}
         used["lines"] = len(self.lines)
         drawn = {role: n + sum(lost.number for lost in self.lost if lost.role == role) for role, n in used.items()}
@@ -372,15 +383,20 @@ class Drawing:
 THICKNESSES = (0.05, 0.6)
 """Smallest and largest thickness [m] of a wall."""
 _MATCHED, _SHARED = 0.75, 0.25
-"""Smallest common length of two faces, relative to the longer face: for a certain wall, and for a possible wall."""
+"""Smallest common length of two faces of a wall, relative to the longer face. The first value is for a certain wall,
+the second for a possible wall.
+"""
 _LONG = 3.0
-"""Smallest length over distance of the two faces of a wall."""
+"""Smallest ratio of length to distance of the two faces of a wall."""
 _ASKEW = 0.01
-"""Largest relative slope of parallel lines, half a degree: the accuracy of drawings."""
+"""Largest slope of a line relative to another that counts as parallel, half a degree: the accuracy of drawings."""
 
 
 def middles_of_loops(loops: Sequence[Loop]) -> tuple[list[tuple[Corner, ...]], list[Loop]]:
-    """Pair outer and inner faces of closed walls; return the closed center lines and the unpaired loops."""
+    """Find closed lines that are outer and inner faces of a wall.
+
+    Return the closed center lines of these walls, and the other closed lines.
+    """
     middles: list[tuple[Corner, ...]] = []
     rest: list[Loop] = []
     for loop in sorted(loops, key=lambda loop: loop.area):
@@ -409,7 +425,10 @@ def _ring(outer: Loop, inner: Loop) -> tuple[Corner, ...] | None:
 def middles_of_lines(
     lines: Sequence[tuple[Corner, ...]],
 ) -> tuple[list[tuple[Corner, ...]], list[tuple[float, tuple[float, float]]]]:
-    """Replace pairs of faces of a wall by center lines; return all lines, and thickness and start of each wall."""
+    """Replace each pair of open lines that are the faces of a wall by the center line.
+
+    Return all lines, and thickness and start of each wall.
+    """
     straight = {i: line for i, line in enumerate(lines) if not any(corner.bulge for corner in line[:-1])}
     pairs = sorted(
         (distance, i, j)
@@ -432,18 +451,18 @@ def middles_of_lines(
 
 
 def _oriented_as(line: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:
-    """The other line, reversed if its end is nearer to the start of ``line``."""
+    """The line ``other``, reversed if its end is nearer to the start of ``line`` than its start is."""
     return other[::-1] if math.dist(line[0][:2], other[0][:2]) > math.dist(line[0][:2], other[-1][:2]) else other
 
 
 def _faces(first: Sequence[Corner], second: Sequence[Corner], share: float) -> float | None:
-    """Distance [m] of two lines whose corresponding sides are faces of a wall; None otherwise."""
+    """Distance [m] of two lines if each side of one line and its counterpart are faces of a wall; None otherwise."""
     distances = [_face_distance(a, b, share) for a, b in zip(pairwise(first), pairwise(second), strict=True)]
     return distances[0] if all(distances) else None
 
 
 def beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:
-    """Start points of the lines with a straight side that may be the face of a wall with an earlier line."""
+    """Start points of the lines with a straight side that, with an earlier line, may be the two faces of a wall."""
     sides = [[(a, b) for a, b in pairwise(line) if not a.bulge] for line in lines]
     return [
         (line[0].x, line[0].y)
@@ -453,7 +472,10 @@ def beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, floa
 
 
 def _face_distance(first: tuple[Corner, Corner], second: tuple[Corner, Corner], share: float) -> float | None:
-    """Distance [m] of two parallel sides if they are faces of a wall, with ``share`` of the longer one in common."""
+    """Distance [m] of two parallel sides if they are faces of a wall; None otherwise.
+
+    The sides must be opposite each other along at least the fraction ``share`` of the longer side.
+    """
     (a, b), (c, d) = first, second
     length, along = math.dist(a[:2], b[:2]), (b.x - a.x, b.y - a.y)
     if length < math.dist(c[:2], d[:2]):

@@ -1,4 +1,4 @@
-"""Write a valid input file from a drawing, as a start for the engineer."""
+"""Conversion of a drawing to a valid input file, which the engineer then completes."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from signorini.importers.drawing import Corner, Drawing, Loop, Lost, flattened, 
 from signorini.model import validate
 
 _DIGITS = 6
-"""Decimals of a length in metres: micrometres, below any building tolerance."""
+"""Number of decimals of a length [m]: micrometres, below any building tolerance."""
 _TURN = math.pi / 8
-"""Largest turn, in radians, of a chord in place of an arc: support lines have no arcs."""
+"""Largest angle [rad] of a part of an arc that is replaced by a chord: support lines cannot have arcs."""
 _SNAP, _RELATIVE_SNAP = 0.005, 5e-4
-"""Accuracy of drawings: in metres, and relative to the slab's size; the smaller counts."""
+"""Inaccuracy of drawings: in metres, and relative to the slab's size; the smaller of both is used."""
 _ELEMENTS = 30
-"""Number of elements along the longer side of the slab."""
+"""Number of elements along the longer side of the slab in the written file."""
 
 
 def drawing_as_toml(drawing: Drawing, title: str) -> str:
-    """Write a drawing as an input file in metres and newtons; assumed values are marked."""
+    """Write a drawing as an input file in metres and newtons; values not in the drawing are marked as assumed."""
     left, bottom, right, top = drawing.outline.box
     blocks = [
         f"title = {json.dumps(title, ensure_ascii=False)}",
@@ -54,7 +54,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
 
 
 def snap(outline: Loop) -> float:
-    """Largest distance [m] from an edge that counts as on the edge."""
+    """Largest distance [m] from an edge of a point that counts as on the edge."""
     left, bottom, right, top = outline.box
     return min(_SNAP, _RELATIVE_SNAP * max(right - left, top - bottom))
 
@@ -81,9 +81,9 @@ def _area(loop: Loop) -> str:
 
 
 def _corners(loop: Loop) -> list[str]:
-    """Corners and arcs as in the key ``polygon``; the first corner follows a straight side, if there is one."""
+    """Texts of corners and arcs for the key ``polygon``; if possible the last side is straight."""
     sides = list(loop)
-    # If the two sides are a chord and an arc, the arc is last, since a polygon begins with a corner.
+    # A line of two sides, a chord and an arc, ends with the arc, since a polygon begins with a corner.
     straight = [i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if (a.bulge == 0) == (len(sides) > 2)]
     first = straight[0] if straight else 0
     sides = sides[first:] + sides[:first]
@@ -104,7 +104,7 @@ def _footprint(footprint: tuple[float, ...]) -> str:
 
 
 def _size(extent: float) -> str:
-    """A round element size: 1, 2 or 5 times a power of ten."""
+    """Element size of a slab of this size [m], rounded down to 1, 2 or 5 times a power of ten, as text."""
     size = extent / _ELEMENTS
     unit = 10.0 ** math.floor(math.log10(size))
     return _number(max(step * unit for step in (1, 2, 5) if step * unit <= size * 1.001))
@@ -120,10 +120,10 @@ def _number(value: float) -> str:
 
 
 def checked(drawing: Drawing) -> Drawing:
-    """Remove the shapes for which the input file would be refused, and report them.
+    """Remove the shapes for which the input file would be refused, and add messages about them.
 
-    An outline that cannot be meshed is only reported: another element size may help. An outline that crosses or
-    touches itself raises `InputError`.
+    If the outline cannot be meshed, only a message is added, since another element size may help. An outline that
+    crosses or touches itself raises `InputError`.
     """
     while True:
         try:
@@ -140,7 +140,7 @@ def checked(drawing: Drawing) -> Drawing:
 
 
 def _without(drawing: Drawing, problems: dict[Place, str]) -> Drawing | None:
-    """Return the drawing without the shapes that have problems; None if no problem belongs to a shape."""
+    """Return the drawing without the shapes that ``problems`` name; None if no problem is about a shape."""
     lost: list[Lost] = []
     removed: dict[str, set[int]] = defaultdict(set)
     points = {footprint: at.copy() for footprint, at in drawing.points.items()}

@@ -35,25 +35,27 @@ from signorini.importers.dxf_entities import Layer, layers_in
 _T = TypeVar("_T")
 
 ROLES = ("outline", "holes", "zones", "points", "lines")
-"""Roles of layers; without an option a layer of the same name has the role."""
+"""Roles of layers. Unless an option names the layers of a role, the layer with the role's name has the role."""
 _FRAME = 0.1
-"""Smallest area, relative to the outline, of another layer's closed line that may be the slab inside a frame."""
+"""Smallest area of a closed line on another layer that is mentioned as a possible slab, relative to the outline's area.
+The outline may then be the frame of the drawing.
+"""
 _ROUND = 12
-"""Smallest number of corners of a filled area that may be a circle."""
+"""Smallest number of corners of a filled area that may be imported as a circle."""
 _TURN = math.radians(4)
-"""Largest turn [rad] of a chord when points of arcs are tested for being on the plate."""
+"""Largest angle [rad] between points of arcs that are tested for being on the plate."""
 _STEP = 0.1
-"""Distance [m] of the points of lines that are tested for being on the plate."""
+"""Largest distance [m] between points of lines that are tested for being on the plate."""
 
 
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], unit: str | None = None) -> Drawing:
-    """Read a drawing; lengths become metres.
+    """Read a drawing; all lengths are converted to metres.
 
-    Arcs and circles are exact; splines and ellipses become arcs within 1/20000 of the drawing's size. Blocks are
-    replaced by their entities. Ends less than a millimetre apart are joined. ``layers`` are the layer names of each
-    role in `ROLES`, in upper or lower case. Without a layer for it, the outline is the largest closed line of the
-    drawing. Without a layer for them, holes are the closed lines inside the outline on its layer. ``unit`` is a key of
-    `signorini.base.units.METRES`; by default that of the drawing's header.
+    Arcs and circles are exact; splines and ellipses are approximated by arcs within 1/20000 of the drawing's size.
+    Blocks are replaced by their entities. Ends less than a millimetre apart are joined. ``layers`` are the layer names
+    of each role in `ROLES`, in upper or lower case. If no layer has the role "outline", the outline is the largest
+    closed line of the drawing. If no layer has the role "holes", the holes are the closed lines inside the outline on
+    its layer. ``unit`` is a key of `signorini.base.units.METRES`; the default is the unit in the drawing's header.
     """
     result = layers_in(path, unit)
     names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}
@@ -83,7 +85,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     for name, rest in sorted(result.items()):
         said.left += [f"layer {name}: {rest}"] if str(rest) else []
         for role in ROLES[1:] if name not in names["outline"] else ():
-            # A hatch or cross inside a shape is its symbol and is not reported as left out.
+            # A hatch or cross inside an imported shape is a symbol of that shape; no message is needed.
             within_none = [at for at in rest.places if not any(one.covers(at) for one in symbols[role])]
             if name in names[role] and within_none:
                 said.lost.append(Lost(role, len(within_none), f"layer {name}: {rest}"))
@@ -107,13 +109,19 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
 
 
 class _Said:
-    """Messages about shapes that were changed, and about shapes left out; ``lost`` counts the latter by role."""
+    """Messages about shapes that were changed, and about shapes that were not imported.
+
+    ``lost`` has the numbers of shapes that were not imported, by role.
+    """
 
     def __init__(self, left: list[str]) -> None:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Add a message about shapes that were not imported; ``what`` names the missing part, by default the role."""
+        """Add a message about shapes that were not imported; ``why`` is the reason.
+
+        If only a part of the shapes was not imported, ``what`` names this part.
+        """
         for line in _line(role, places, why):
             self.left.append(line)
             self.lost.append(Lost(what or role, len(places), line))
@@ -124,14 +132,14 @@ def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
 
 
 def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
-    """A circular or rectangular zone, moved into the outline; other zones are unchanged."""
+    """Move a circular or rectangular zone onto the slab, if that is near; return other zones unchanged."""
     size = zone.footprint
     at = None if size is None else slab.moved(zone.middle, size, most)
     return zone if size is None or at in (None, zone.middle) else footprint_at(at, size)
 
 
 def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
-    """Empty the lists and return all their items."""
+    """Return the items of all lists, and empty the lists."""
     taken = []
     for things in lists:
         taken += things
@@ -140,7 +148,7 @@ def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
 
 
 def _named(role: str, wanted: Sequence[str], result: Mapping[str, Layer]) -> list[str]:
-    """Names of the layers of a role as the drawing spells them, each once."""
+    """Names of the layers of a role without repetition, spelled as in the drawing."""
     by_name = {name.lower(): name for name in result}
     for name in wanted:
         if name.lower() not in by_name:
@@ -155,7 +163,10 @@ def _layers(names: Sequence[str]) -> str:
 
 
 def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
-    """Return the largest closed line and its layer. Open lines with a larger extent are refused as an open outline."""
+    """Return the largest closed line and the name of its layer.
+
+    If open lines extend over a larger area, they are refused as an outline that is not closed.
+    """
     ends = [line for one in among.values() for line in one.lines]
     candidates = [(loop, name) for name, one in among.items() for loop in one.loops]
     if not candidates and not ends:
@@ -184,7 +195,7 @@ def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
 
 
 def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, ...]]]:
-    """Groups of open lines that are connected at their ends."""
+    """Groups of open lines that are connected to each other by common ends."""
     groups: list[list[tuple[Corner, ...]]] = []
     for line in lines:
         ends = line[0], line[-1]
@@ -195,7 +206,7 @@ def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, .
 
 
 def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
-    """Message with the free ends of open lines or, without free ends, the points where more than two lines meet."""
+    """Text with the free ends of open lines; without free ends, with the points where more than two lines meet."""
     ends = sorted(end for line in group for end in (line[0], line[-1]))
     meet = {end[:2]: sum(end.is_at(other) for other in ends) for end in ends}
     alone = [at for at, count in meet.items() if count == 1]
@@ -207,7 +218,7 @@ def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
 
 
 def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
-    """Messages about open lines of the outline's layer that reach outside the outline."""
+    """Messages about open lines of the outline's layer that extend outside the outline."""
     places = [line[0][:2] for line in layer.lines if not outline.covers(flattened(line, _TURN))]
     lines = f"{len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}"
     advice = "If the slab reaches there, join them to its outline"
@@ -215,7 +226,7 @@ def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
 
 
 def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
-    """Message with the largest closed line of another layer, which may be the slab if the outline is a frame."""
+    """Text that names the largest closed line of another layer, in case the outline is the frame of the drawing."""
     rest = [(loop, name) for name, one in among.items() if name != layer for loop in one.loops]
     other, name = max(rest, key=lambda pair: _size(pair[0]), default=(None, ""))
     if other is None or _size(other) < _FRAME * _size(outline):
@@ -227,7 +238,7 @@ def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
 
 
 def _size(loop: Loop) -> float:
-    """Enclosed area; for a line that crosses itself that of its bounding box, since parts of its area cancel."""
+    """Area [m²] of a closed line; if it crosses itself, that of its bounding box, since parts of its area cancel."""
     left, bottom, right, top = loop.box
     return loop.area if loop.is_simple else (right - left) * (top - bottom)
 
@@ -247,9 +258,10 @@ _TUBE, _CUT, _MOVED = (
 
 
 def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> dict[Footprint, list[Spot]]:
-    """Positions of point supports on the plate, by footprint.
+    """Positions of point supports on the plate, by the size of their footprints.
 
-    Shapes at one position are one support, with the largest shape: a filled area with an outline, or a tube.
+    Several shapes with one center, such as a filled area with an outline or a tube, are one support, with the footprint
+    of the largest shape.
     """
     places: dict[str, list[Spot]] = defaultdict(list)
     groups: list[list[Loop]] = []
@@ -293,7 +305,7 @@ def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> 
 
 
 def _as_circle(loop: Loop) -> Loop:
-    """Replace a closed line by a circle if it has many corners, all at one distance from its center."""
+    """Replace a closed line with at least 12 corners, all equally far from its center, by a circle."""
     x, y = loop.middle
     radii = [math.dist(corner[:2], (x, y)) for corner in loop.corners]
     if len(radii) < _ROUND or max(radii) - min(radii) > GAP + 0.01 * max(radii):
@@ -302,7 +314,7 @@ def _as_circle(loop: Loop) -> Loop:
 
 
 def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> list[tuple[Corner, ...]]:
-    """Open lines, and the center lines of walls drawn with two faces; lines off the plate are reported."""
+    """Open lines, and the center lines of walls that are drawn with two faces; lines off the plate get a message."""
     closed = _all_of(one.loops for one in layers)
     whole = [(loop, loop.middle_line) for loop in closed]
     along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]
@@ -343,7 +355,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
 
 
 def _spaced(a: tuple[float, float], b: tuple[float, float]) -> list[tuple[float, float]]:
-    """Points between a and b at most `_STEP` apart, without the ends."""
+    """Points that divide the segment from a to b into parts of at most `_STEP`, without the ends."""
     count = math.ceil(math.dist(a, b) / _STEP)
     return [(a[0] + i / count * (b[0] - a[0]), a[1] + i / count * (b[1] - a[1])) for i in range(1, count)]
 

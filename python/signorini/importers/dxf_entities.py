@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
-    """Merge overlapping straight edges with free ends into one edge; return all edges.
+    """Merge straight edges that overlap into one; return all edges.
 
-    Ends closer than ``gap``, in the drawing's unit, coincide. An end is free if it coincides with no other end.
+    Edges are merged only at a free end. An end is free if no other end is within ``gap``, in the drawing's unit.
     """
     straight = [i for i, edge in enumerate(edges) if edge.payload is not None and edge.payload.dxftype() == "LINE"]
     if len(straight) < 2:
@@ -56,14 +56,14 @@ def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
 
 
 def _free(ends: Any, gap: float) -> Any:
-    """Mask of the ends that coincide with no other end."""
+    """Mask (k,) of the ends (k, 2) that coincide with no other end, within ``gap``."""
     from scipy.spatial import cKDTree
 
     return np.array([len(near) for near in cKDTree(ends).query_ball_point(ends, gap)]) == 1
 
 
 def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float) -> int | None:
-    """Index of a collinear line that contains end ``side`` of line i and can be merged with it; None without one."""
+    """Index of a line that contains end ``side`` of line i and can be merged with line i; None without one."""
     end, other_end = ends[i, side], ends[i, 1 - side]
     a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)
@@ -86,7 +86,7 @@ def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float
 
 
 def _line(edge: Any, ends: Any) -> Any:
-    """Copy of an edge with other end points."""
+    """Copy of a straight edge with the end points ``ends`` (2, 2)."""
     from ezdxf import edgesmith
     from ezdxf.entities.line import Line
 
@@ -95,24 +95,24 @@ def _line(edge: Any, ends: Any) -> Any:
 
 
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
-"""Units of length by the value of $INSUNITS in the header of a drawing."""
+"""Unit of length for each value of $INSUNITS in the header of a drawing."""
 _SAGITTA = 1 / 20000
-"""Largest distance of arcs from their spline or ellipse, relative to the drawing's size: arcs then meet at less than
-1°.
+"""Largest distance of a spline or ellipse from the arcs that approximate it, relative to the drawing's size. The
+directions of neighbouring arcs then differ by less than 1°.
 """
 _MAX_BISECTIONS = 8
-"""Largest number of bisections of a spline into arcs; a sharper bend becomes a corner."""
+"""Largest number of bisections of a part of a spline; a bend that needs more becomes a corner."""
 _FLAT = 1e-6
-"""Largest rise over chord of a straight line."""
+"""Largest ratio of rise to chord of an arc that counts as a straight line."""
 _CHORD_ERROR = 0.1
-"""Largest distance of chords from a curve when curves are compared, relative to the gap of equal points."""
+"""Largest distance of chords from a curve if curves are compared, relative to the distance of points that coincide."""
 _MAX_DEPTH = 16
-"""Largest depth of nested blocks; a deeper nesting is a block within itself."""
+"""Largest depth of nested blocks; if the depth is larger, a block must contain itself."""
 
 
 @dataclass
 class Layer:
-    """Shapes of a layer, in metres; ``others`` counts the entities that are not shapes."""
+    """Shapes on a layer, in metres; ``others`` counts the entities that are not imported, by type."""
 
     loops: list[Loop] = field(default_factory=list)
     fills: list[Loop] = field(default_factory=list)
@@ -123,7 +123,7 @@ class Layer:
 
     @property
     def places(self) -> list[list[tuple[float, float]]]:
-        """Points [m] of each shape."""
+        """List of the points (x, y) [m] of each shape."""
         lines = [[corner[:2] for corner in line] for line in self.lines]
         return (
             [[*loop.points] for loop in (*self.loops, *self.fills, *self.slivers)]
@@ -132,7 +132,7 @@ class Layer:
         )
 
     def __str__(self) -> str:
-        """Write the number of shapes of each kind, and their positions."""
+        """Write the number and the first positions of shapes of each kind."""
         shapes = (
             ("closed line", [loop.middle for loop in self.loops]),
             ("filled area", [fill.middle for fill in self.fills]),
@@ -145,7 +145,7 @@ class Layer:
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Nonempty layers of a file by name; hidden entities are counted in ``others``."""
+    """Layers of a file with shapes, by name; hidden entities are counted in ``others``."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 
@@ -180,7 +180,7 @@ def _metres(document: Document, unit: str | None) -> float:
 
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
-    """Nonempty layers by name; hidden entities are counted in ``others``."""
+    """Layers of a drawing with shapes, by name; hidden entities are counted in ``others``."""
     from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
@@ -205,9 +205,10 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
 
 
 def _exploded(entities: Iterable[Any], layer: str | None = None, depth: int = 0) -> Iterator[tuple[str, DXFEntity]]:
-    """Yield every entity with its layer; blocks are replaced by their entities, layer 0 by the layer of the block.
+    """Yield each entity with its layer; a block is replaced by its entities.
 
-    A block without drawable entities on its layer becomes a point.
+    Entities of a block on layer 0 get the layer of the block. A block without drawable entities on its own layer is
+    replaced by a point.
     """
     from ezdxf.entities.point import Point
 
@@ -227,7 +228,10 @@ _DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"
 
 
 def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
-    """Sort the entities of a layer and convert lengths to metres; ``sagitta`` is in the drawing's unit."""
+    """Sort the entities of a layer by kind and convert lengths to metres.
+
+    Splines and ellipses are approximated within ``sagitta``, in the drawing's unit.
+    """
     from ezdxf import edgeminer, edgesmith
 
     def corners(points: Iterable[tuple[float, float, float]]) -> tuple[Corner, ...]:
@@ -235,7 +239,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
             if kept and corner.is_at(kept[-1]):
-                # If a point is drawn twice, the next side begins at the second one.
+                # Merge coincident points: the bulge is that of the second point, at which the next side begins.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)
@@ -264,7 +268,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
     edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
-    # ezdxf returns the chains in the random order of a set.
+    # ezdxf returns the chains in the random order of a set, so sort them.
     for linked in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
         polyline = edgesmith.polyline2d_from_chain(linked, max_sagitta=sagitta)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in polyline.vertices)
@@ -278,7 +282,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
-    """Make a loop of corners, without a repeated last corner; arcs of one circle become a circle."""
+    """Make a closed line of corners, without a repeated last corner; arcs that form a circle become a circle."""
     from ezdxf.math import bulge_center, bulge_radius
 
     repeated = len(corners) > 1 and corners[0].is_at(corners[-1])
@@ -295,7 +299,7 @@ def _closed(corners: tuple[Corner, ...]) -> Loop:
 
 
 def _rings(entity: Any, sagitta: float) -> Iterator[Any]:
-    """Yield the boundaries of a filled area; curves become points."""
+    """Yield the boundaries of a filled area as points; curves are approximated within ``sagitta``."""
     from ezdxf.path import from_hatch
 
     if entity.dxftype() == "HATCH":
@@ -305,7 +309,7 @@ def _rings(entity: Any, sagitta: float) -> Iterator[Any]:
 
 
 def _in_arcs(entity: Any, sagitta: float) -> Any:
-    """Convert a spline or ellipse to a polyline of arcs that differs by at most ``sagitta``."""
+    """Convert a spline or ellipse to a polyline of arcs that deviates by at most ``sagitta``."""
     from ezdxf.entities.lwpolyline import LWPolyline
     from ezdxf.math import Vec2
 
@@ -333,7 +337,7 @@ def _in_arcs(entity: Any, sagitta: float) -> Any:
 def _arcs(
     at: Callable[[float], Vec2], begin: float, end: float, sagitta: float, depth: int = 0
 ) -> list[tuple[Vec2, float]]:
-    """Start points and bulges of arcs along the curve ``at`` from parameter ``begin`` to ``end``."""
+    """Start points and bulges of arcs that approximate the curve ``at`` between parameters ``begin`` and ``end``."""
     p, q, half = at(begin), at(end), (begin + end) / 2
     bulge = _bulge(p, at(half), q)
     between = (at(begin + part * (end - begin)) for part in (0.125, 0.25, 0.75, 0.875))
@@ -343,7 +347,7 @@ def _arcs(
 
 
 def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
-    """Bulge of the arc through three points; 0 if they are collinear or two of them coincide."""
+    """Bulge of the arc from p through ``middle`` to q; 0 if the points are collinear or two of them coincide."""
     from ezdxf.math import bulge_3_points
 
     half = 0.5 * p.distance(q)
@@ -354,7 +358,7 @@ def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
 
 
 def _off_arc(z: Vec2, p: Vec2, q: Vec2, bulge: float) -> float:
-    """Distance of a point from the circle or straight line of an arc."""
+    """Distance of the point z from the circle, or line, of the arc from p to q."""
     from ezdxf.math import bulge_center, bulge_radius, distance_point_line_2d
 
     if p.isclose(q):
@@ -372,7 +376,7 @@ def _vertices(entity: Any) -> Iterator[tuple[float, float, float]]:
 
 
 def _without_duplicates(edges: Iterable[Any], gap: float) -> list[Any]:
-    """Remove edges that are drawn twice, in either direction."""
+    """Remove edges that repeat another edge, in the same or the opposite direction."""
     kept: list[Any] = []
     near: dict[tuple[int, int], list[list[Vec2]]] = defaultdict(list)
     for edge in edges:
@@ -391,7 +395,7 @@ def _same(samples: list[Vec2], other: list[Vec2], gap: float) -> bool:
 
 
 def _samples(entity: Any, gap: float) -> list[Vec2]:
-    """Points of a line at quarters of its length, by which lines with equal ends are distinguished."""
+    """Points of a line at 0, ¼, ½, ¾ and 1 of its length, which distinguish lines with equal ends."""
     from ezdxf.math import Vec2
     from ezdxf.path import make_path
 

@@ -1,4 +1,4 @@
-"""Convert meshio's cells to nodes, elements and named edges; node numbers of mesh files."""
+"""Convert meshes of meshio to nodes, elements and named edges; read the node numbers of mesh files."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 
 OUTLINE = "boundary"
-"""Name of the edge that is the whole outline."""
+"""Name of the edge that consists of all boundary sides."""
 _SAME = 1e-9
-"""Largest distance of coincident nodes, relative to the plate's size."""
+"""Largest distance of nodes that are merged, relative to the plate's size."""
 _FLAT = 1e-6
-"""Largest distance of nodes from a plane, relative to the plate's size: some files have seven digits."""
+"""Largest difference of the nodes' z, relative to the plate's size: some files have only seven digits."""
 _MAX_OFFSET = 1e6
-"""Largest distance of a plate from the origin, relative to its size: coordinates keep ten digits."""
+"""Largest distance of a plate from the origin, relative to its size: ten digits remain for positions in the plate."""
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
 _REVERSED_TRIANGLE = [0, 2, 1, 1, 7, 5, 1, 4]
 _NODES = {
@@ -36,7 +36,7 @@ _NODES = {
     "quad9": list(range(8)),
     "triangle6": [0, 1, 2, 2, 3, 4, 2, 5],
 }
-"""Node order of each cell type, in the order of `signorini.mesh.Mesh`."""
+"""Nodes of a meshio cell of each type in the order of `signorini.mesh.Mesh`."""
 _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
@@ -64,7 +64,7 @@ def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
 
 
 def _collapsed_side_first(elements: Ints, quadrilaterals: Bools) -> Ints:
-    """Rotate the nodes of quadrilaterals (ne,) with a collapsed side so that this side is first."""
+    """Rotate the nodes of each quadrilateral (mask (ne,)) with a collapsed side so that this side comes first."""
     corners = elements[:, :4]
     first = (quadrilaterals[:, None] & (corners == np.roll(corners, -1, axis=1))).argmax(axis=1)
     around = (np.arange(4) + first[:, None]) % 4
@@ -72,7 +72,7 @@ def _collapsed_side_first(elements: Ints, quadrilaterals: Bools) -> Ints:
 
 
 def _elements(data: meshio.Mesh) -> tuple[Ints, Bools]:
-    """Elements (ne, 8), and a mask (ne,) of the quadrilaterals of the file."""
+    """Elements (ne, 8) of a mesh of meshio, and a mask (ne,) of those that are quadrilaterals in the file."""
     counts: Counter[str] = Counter()
     for block in data.cells:
         counts[block.type] += len(block.data)
@@ -102,7 +102,7 @@ def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
-    """Points (n, 2) without their third coordinate, which must be constant."""
+    """Check that z is constant and return the points (n, 2) without it."""
     nodes = np.unique(elements)
     used = points[nodes]
     finite = np.isfinite(used).all(axis=1)
@@ -120,9 +120,9 @@ def _plane(points: Floats, elements: Ints) -> Floats:
 
 
 def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
-    """Renumber used nodes and merge coincident ones.
+    """Merge coincident nodes, and renumber the nodes that elements use.
 
-    Return new numbers (n,), −1 if unused, and one old number for every new one.
+    Return the new number (n,) of each node, −1 if unused, and for each new number an old number.
     """
     used = np.unique(elements)
     size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
@@ -144,7 +144,7 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
 
 
 def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) -> dict[str, Ints]:
-    """Edges from named groups of lines; sides of the outline get the plate on their left."""
+    """Edges from named groups of lines; sides on the outline are directed with the plate on their left."""
     middles, first = np.unique(sides[:, 1], return_index=True)
     edges: dict[str, Ints] = {}
     for name, kind, lines in _named_lines(data):
@@ -166,7 +166,7 @@ def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) 
 
 
 def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
-    """Name, cell type and nodes of each group of lines, from cell sets and physical groups of Gmsh."""
+    """Name, cell type and nodes of each group of lines: the cell sets of meshio and the physical groups of Gmsh."""
     named = []
     for i, block in enumerate(data.cells):
         if block.type not in ("line", "line3"):
@@ -182,7 +182,7 @@ def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
 
 
 def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str, Ints]:
-    """Edges from named groups of nodes: the sides of the outline whose nodes are all in the group."""
+    """Edges from named groups of nodes: the outline's sides of which the group has all nodes."""
     edges = {}
     for name, members in data.point_sets.items():
         inside = np.zeros(int(number.max()) + 1, dtype=bool)
@@ -200,9 +200,9 @@ _BY_POSITION = (".vtu", ".vtk")
 
 
 def node_numbers(path: Path, count: int) -> Ints:
-    """Node numbers (n,) of a file of Gmsh (.msh, text), Abaqus (.inp) or VTK (.vtu, .vtk), in the order of meshio.
+    """Node numbers (n,) in a file of Gmsh (.msh, text), Abaqus (.inp) or VTK (.vtu, .vtk), in meshio's order.
 
-    Gmsh and Abaqus number their nodes; for VTK they count from 0, as in ParaView.
+    Files of Gmsh and Abaqus contain the numbers; nodes of VTK files count from 0, as in ParaView.
     """
     match path.suffix.lower():
         case suffix if suffix in _BY_POSITION:
@@ -222,7 +222,7 @@ def node_numbers(path: Path, count: int) -> Ints:
 
 
 def node_blocks(path: Path) -> int:
-    """Number of headings *NODE in an Abaqus file."""
+    """Number of lines *NODE, each the heading of a block of nodes, in an Abaqus file."""
     return sum(map(_heads_nodes, _lines(path)))
 
 
@@ -231,7 +231,7 @@ def _heads_nodes(line: str) -> bool:
 
 
 def _abaqus(path: Path) -> Ints:
-    """Node numbers under the headings *NODE."""
+    """Node numbers in the blocks *NODE of an Abaqus file."""
     numbers, reading = [], False
     for line in _lines(path):
         if line.startswith("*"):

@@ -1,4 +1,4 @@
-"""Validation of meshes; every error names an element or node."""
+"""Validation of meshes; every error message names an element or a node."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _
 _STATIONS = np.vstack([maps.CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
-"""Stations of degenerate quadrilaterals: none on the collapsed side, where det J = 0."""
+"""Reference points at which det J of degenerate quadrilaterals is checked; on the collapsed side det J = 0."""
 _COINCIDENT = 1e-9
-"""Largest distance of a node that counts as on a side, relative to the mesh's size."""
+"""Largest distance from a side of a node that counts as on it, relative to the mesh's size."""
 _STRAIGHT = 1e-9
-"""Largest rise over chord of a straight side."""
+"""Largest ratio of rise to chord of an element side that counts as straight."""
 _CHORDS = 32
-"""Number of chords that replace a curved side; their distance from the side is a thousandth of its rise."""
+"""Number of chords that approximate a curved side; they deviate from the side by a thousandth of its rise."""
 _TOGETHER = 1 << 18
-"""Number of pairs of chords per block: the arrays stay in the cache."""
+"""Number of pairs of chords that are compared at once: their arrays fit in the cache."""
 
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
-    """Number and position of an element, for messages."""
+    """Text with an element's number and position, for messages."""
     return f"Element {index} (the first has index 0) near {point(points[elements[index]].mean(axis=0))}"
 
 
@@ -37,7 +37,10 @@ def _name_node(points: Floats, index: int) -> str:
 
 
 def check_numbers(points: Floats, elements: Ints) -> None:
-    """Check array shapes, finite coordinates, and node numbers: in range, not repeated in an element, all used."""
+    """Check array shapes, finite coordinates and node numbers of a mesh.
+
+    The numbers must be in range and different within an element, and every node must be used.
+    """
     if points.ndim != 2 or points.shape[1] != 2:
         raise InputError(f"A mesh's points must have shape (n, 2); found {points.shape}.")
     if elements.ndim != 2 or elements.shape[1] != 8 or not len(elements):
@@ -67,7 +70,7 @@ def check_numbers(points: Floats, elements: Ints) -> None:
 
 
 def check_jacobians(points: Floats, elements: Ints) -> None:
-    """Check det J > 0 in every element: counter-clockwise and not too distorted."""
+    """Check that det J > 0 in every element, that is, nodes are counter-clockwise and no element is too distorted."""
     nodes, triangles, degenerate = points[elements], maps.are_triangles(elements), maps.are_degenerate(elements)
     det = np.empty((len(elements), len(_STATIONS)))
     for mask, stations in (
@@ -91,7 +94,7 @@ def check_jacobians(points: Floats, elements: Ints) -> None:
 
 
 def check_sides(points: Floats, elements: Ints) -> None:
-    """Check that elements meet along whole sides."""
+    """Check that neighbouring elements share whole sides."""
     corner = np.zeros(len(points), dtype=bool)
     corner[elements[:, :4]] = True
     real = maps.real_sides(elements)
@@ -121,7 +124,7 @@ def check_sides(points: Floats, elements: Ints) -> None:
 
 
 def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
-    """Check that no boundary node lies on a boundary side of other nodes: elements would not be connected there."""
+    """Check that no boundary node lies on another boundary side: elements would not be connected there."""
     sides = points[boundary]
     tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
     boxes = maps.side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -173,7 +176,7 @@ def check_overlap(points: Floats, boundary: Ints) -> None:
 
 
 def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
-    """Parameter in (0, 1) at which the segment a–b crosses the segment c–d, points (…, 2); NaN without a crossing."""
+    """Parameter in (0, 1) at which each segment a–b crosses the segment c–d, points (…, 2); NaN if it does not."""
 
     def turn(p: Floats, q: Floats, r: Floats) -> Floats:
         u, v = q - p, r - p
@@ -185,7 +188,7 @@ def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
 
 
 def check_one_piece(points: Floats, elements: Ints) -> None:
-    """Check that the mesh is connected through sides."""
+    """Check that all elements are connected through common sides."""
     element, side = np.nonzero(maps.real_sides(elements))
     midsides = elements[element, 4 + side]
     order = np.argsort(midsides, kind="stable")
@@ -200,7 +203,7 @@ def check_one_piece(points: Floats, elements: Ints) -> None:
 
 
 def check_edge(name: str, triples: Ints, sides: Ints) -> None:
-    """Check that a named edge consists of element sides with the plate on the left."""
+    """Check that the triples (k, 3) of a named edge are element sides with the plate on their left."""
     if triples.ndim != 2 or triples.shape[1] != 3 or not len(triples):
         raise InputError(f"Edge {name!r} must be node triples of shape (k, 3) with k ≥ 1; found {triples.shape}.")
     order = np.argsort(sides[:, 1], kind="stable")
@@ -222,7 +225,7 @@ def on_boundary(elements: Ints) -> Bools:
 
 
 def loops(sides: Ints) -> Ints:
-    """Order boundary sides (k, 3) loop after loop, each from its lowest corner number."""
+    """Order boundary sides (k, 3) so that each loop is contiguous and starts at its lowest corner number."""
     outgoing: dict[int, list[int]] = {}
     for index in np.lexsort((sides[:, 2], sides[:, 0]))[::-1].tolist():
         outgoing.setdefault(int(sides[index, 0]), []).append(index)

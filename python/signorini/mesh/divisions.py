@@ -1,4 +1,4 @@
-"""Division of a length into elements that follow lines and size limits; the normal axes of a plate."""
+"""Division of a length into elements whose joints follow lines and size limits; the normal axes of a plate."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ import numpy.typing as npt
 from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
-"""Tolerance for equal coordinates and sizes, relative to the interval or the larger size."""
+"""Relative tolerance for equal coordinates, of the interval, and for equal sizes, of the larger size."""
 _MAX_RATIO = 3.0
-"""Largest ratio of the sizes of neighbouring parts at a line that `subdivide` follows."""
+"""Largest ratio of the element sizes on both sides of a line that `subdivide` follows."""
 
 
 def subdivide(
@@ -29,12 +29,12 @@ def subdivide(
     *,
     first: int = 1,
 ) -> Floats:
-    """Divide an interval into ``count`` parts with joints (count + 1,) at the lines, exactly at their coordinates.
+    """Divide an interval into ``count`` parts, if possible with a joint at each line; return joints (count + 1,).
 
     The parts are equal if the joints of equal parts include all lines. Otherwise the parts are equal between
-    consecutive lines, and the count is shared so that the largest part is smallest. A line is skipped if there are too
-    few parts, or if the parts at its sides would differ by more than 3 to 1; lesser lines are skipped first. Before the
-    first line there are at least ``first`` parts.
+    consecutive lines, and the parts are distributed so that the largest part is smallest. A line is skipped if there
+    are too few parts, or if the parts at its sides would differ by more than 3 to 1; ``lesser`` lines are skipped
+    first. Before the first line there are at least ``first`` parts.
     """
     equal = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
@@ -50,7 +50,7 @@ def subdivide(
 
 
 def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Joints (count + 1,) at as many wanted lines as possible, including all kept ones; and the list of these lines."""
+    """Joints (count + 1,) at as many wanted lines as possible, including all ``kept`` lines; the followed lines."""
     start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
     while any(np.abs(equal[first:] - line).min() > same for line in wanted):
@@ -77,15 +77,18 @@ def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) 
 
 
 def _first_largest(values: Floats, same: float | None = None) -> int:
-    """Index of the first value that equals the largest within a tolerance: independent of the unit."""
+    """Index of the first value that equals the largest value within the tolerance ``same``.
+
+    The tolerance makes the choice independent of units.
+    """
     largest = values.max()
     return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
 
 
 def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
-    """Number of parts of each piece: each further part goes to the piece with the largest parts.
+    """Number of parts of each length: each further part goes to the length with the largest parts.
 
-    The first piece has at least ``first`` parts. None if ``count`` parts are too few.
+    The first length has at least ``first`` parts. None if ``count`` parts are too few.
     """
     counts = np.ones(len(lengths), dtype=np.int64)
     counts[0] = first
@@ -95,7 +98,7 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
     heapq.heapify(heap)
     left = count - int(counts.sum())
     while left:
-        # Pieces with parts of equal size, up to rounding, are served in their order.
+        # Lengths whose parts are equal up to rounding get their next part in the order of the lengths.
         ties = [heapq.heappop(heap)]
         while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
             ties.append(heapq.heappop(heap))
@@ -107,17 +110,17 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
 
 
 Cap = tuple[float, float, float]
-"""Start, end, and the largest element size between them."""
+"""Start and end of an interval, and the largest element size in it."""
 
 STEEPEST = 1.3
-"""Largest ratio of the sizes of neighbouring elements of a graded division."""
+"""Largest ratio of neighbouring element sizes in a graded division."""
 
 _SHORTEST = 0.5
-"""Smallest distance between two lines, relative to the requested size; closer lines are skipped."""
+"""Smallest distance between two lines, relative to the element size there; a closer line is skipped."""
 _SAMPLES = 4000
-"""Number of points of the numerical integral of 1/size between two lines."""
+"""Number of points of the numerical integral of 1/(element size) between two lines."""
 _ROUNDS = 50
-"""Largest number of passes that reduce the ratio of neighbouring sizes."""
+"""Largest number of passes that reduce the ratio of neighbouring element sizes."""
 
 
 def graded(
@@ -128,11 +131,11 @@ def graded(
     lines: Sequence[float] = (),
     lesser: Sequence[float] = (),
 ) -> Floats:
-    """Divide an interval into elements of at most ``size``, within caps of at most their size, with joints at lines.
+    """Divide an interval into elements of at most ``size``, and smaller ones in ``caps``, with joints at lines.
 
-    Away from a cap the size grows by ln 1.3 times the distance, so that neighbours differ by 1.3 at most. Between lines
-    the joints divide ∫ dx/size equally. An interval between lines with smaller elements is a cap for its neighbours.
-    Lesser lines too close to `lines` are skipped.
+    Outside a cap the largest size grows by ln 1.3 times the distance, so that neighbours differ by 1.3 at most. Between
+    lines the joints divide ∫ dx/size equally. Elements that are still too small for their neighbours become caps. Lines
+    too close to earlier lines are skipped, first of all the ``lesser`` lines.
     """
     wanted = list(caps)
     knots = _kept(start, stop, (lines, lesser), size, wanted)
@@ -152,7 +155,7 @@ def graded(
 def _kept(
     start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
 ) -> list[float]:
-    """Ends of the interval and lines between, at least half an element apart; earlier groups come first."""
+    """Ends of the interval and the lines between, at least half an element apart; earlier groups have priority."""
     knots = [start, stop]
     for line in (line for group in groups for line in sorted(group)):
         least = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
@@ -181,14 +184,14 @@ def _divided(a: float, b: float, size: float, caps: Sequence[Cap]) -> Floats:
 
 
 Axes: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
-"""Two unit vectors along ±x and ±y, in either order."""
+"""Two unit vectors: one along ±x and the other along ±y, in either order."""
 
 ALONG_X: Axes = ((1.0, 0.0), (0.0, 1.0))
 _AXES: tuple[Axes, ...] = tuple(
     axes for u, v in product((1.0, -1.0), repeat=2) for axes in (((u, 0.0), (0.0, v)), ((0.0, u), (v, 0.0)))
 )
 _GRID = 2.0**-30
-"""Tolerance for equal coordinates, relative to the plate's extent: far above the rounding of numbers in any unit."""
+"""Tolerance for equal coordinates, relative to the plate's extent: far above their rounding in any unit."""
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:

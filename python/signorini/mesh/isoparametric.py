@@ -23,31 +23,37 @@ CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SINGULAR: Final = 1e-12
-"""Relative tolerance for zero singular values of J; at a collapsed side one singular value is zero."""
+"""Largest singular value of J that counts as zero, relative to the larger one; at a collapsed side one is zero."""
 _AT_A_TIME = 1024
-"""Number of elements per block, so that their Jacobians stay in the cache."""
+"""Number of elements that are computed at once, so that their Jacobians fit in the cache."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def are_triangles(elements: Ints) -> Bools:
-    """Mask (ne,) of the triangles among elements (ne, 8): their third corner is repeated."""
+    """Mask (ne,) of the triangles among elements (ne, 8): their third and fourth corners are equal."""
     return np.asarray(elements[:, 2] == elements[:, 3])
 
 
 def are_degenerate(elements: Ints) -> Bools:
-    """Mask (ne,) of the degenerate quadrilaterals among elements (ne, 8): their first corner is repeated."""
+    """Mask (ne,) of the degenerate quadrilaterals among elements (ne, 8): their first two corners are equal."""
     return np.asarray(elements[:, 0] == elements[:, 1])
 
 
 def real_sides(elements: Ints) -> Bools:
-    """Mask (ne, 4) of the sides with a length: not the third of triangles, nor the first of degenerate elements."""
+    """Mask (ne, 4) of the sides that are not collapsed to a node.
+
+    Collapsed are the third side of triangles and the first side of degenerate quadrilaterals.
+    """
     sides = np.arange(4)
     collapsed = are_triangles(elements)[:, None] & (sides == 2) | are_degenerate(elements)[:, None] & (sides == 0)
     return np.asarray(~collapsed)
 
 
 def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
-    """Values (q, 8) and reference gradients (q, 8, 2) at reference points (q, 2) of triangles or quadrilaterals."""
+    """Shape functions (q, 8) and their gradients ∂N/∂ξ (q, 8, 2) at reference points (q, 2).
+
+    ``triangles`` (q,) is the mask of points in triangles; the others are in quadrilaterals.
+    """
     if not triangles.any():
         return serendipity(xi)
     if triangles.all():
@@ -58,7 +64,7 @@ def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
 
 
 def folded(xi: Floats) -> Floats:
-    """Map points (s, 2) of the reference square to the triangle, uniformly, by folding."""
+    """Map points (s, 2) of the reference square to the reference triangle, with uniform density, by folding."""
     part = 0.5 * (xi + 1.0)
     return np.asarray(np.where(part.sum(axis=1, keepdims=True) > 1.0, 1.0 - part, part))
 
@@ -68,12 +74,12 @@ def _collapsed(nodes: Floats, side: int = 2) -> Bools:
 
 
 def jacobians(nodes: Floats, xi: Floats) -> Floats:
-    """Jacobians ∂x/∂ξ (q, 2, 2) at reference points (q, 2); the first index is that of x."""
+    """Jacobians J = ∂x/∂ξ (q, 2, 2) at reference points (q, 2); the first index is the component of x."""
     return np.asarray(np.einsum("qnd,qna->qda", nodes, shape_functions(_collapsed(nodes), xi)[1]))
 
 
 def determinants(nodes: Floats, xi: Floats, triangles: bool = False) -> Floats:
-    """Determinants of J (ne, r) of elements (ne, 8, 2), all triangles or all quadrilaterals, at points (r, 2)."""
+    """Determinants of J (ne, r) of elements (ne, 8, 2), all triangles or all quadrilaterals, at points ξ (r, 2)."""
     gradients = (triangular if triangles else serendipity)(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
     det = np.empty((len(nodes), len(xi)))
     for first in range(0, len(nodes), _AT_A_TIME):
@@ -114,7 +120,7 @@ def side_boxes(sides: Floats) -> Floats:
 
 
 def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
-    """Elementwise minimum and maximum of arrays (k, 2); NumPy is slow along a short axis."""
+    """Componentwise minimum and maximum (k, 2) of several arrays (k, 2); faster than NumPy along a short axis."""
     arrays = list(points)
     return reduce(np.minimum, arrays), reduce(np.maximum, arrays)
 
@@ -138,12 +144,12 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
             )
             step = np.nan_to_num(step / det[:, None])
         if (singular := degenerate[active]).any():
-            # At a collapsed side J is singular: take the least-norm step.
+            # At a collapsed side J is singular, so the least-norm step is taken.
             step[singular] = np.einsum("qab,qb->qa", np.linalg.pinv(j[singular], rcond=_SINGULAR), miss[singular])
         step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)
         done = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
-        # In elements far from the origin rounding may keep the steps above the tolerance: the residual decides below.
+        # Far from the origin, rounding may keep the steps above the tolerance; the residual below decides then.
         xi[active], converged[active] = moved, done
         active = active[~done]
     if len(active):

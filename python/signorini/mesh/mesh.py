@@ -30,26 +30,31 @@ _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
 _TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
-"""Quadrature points of the triangle, with equal weights; exact for quadratic functions such as its det J."""
+"""Quadrature points of the triangle, with equal weights: exact for quadratic functions, such as det J."""
 _ON_EDGE = 1e-9
-"""Largest distance of a point that counts as on a side, in reference coordinates."""
+"""Largest distance from a side, in reference coordinates, of a point that counts as on it."""
 _RELATIVE_GAP = 0.1
-"""Bound of the distance between a circle and the parabola of a side, relative to the parabola's rise over its chord:
-twice the actual distance for elements of up to 90°."""
+"""Bound of the distance between a circle and the parabola of an element side, relative to the rise of the parabola over
+its chord. It is twice the actual distance for sides of up to 90°."""
 _PAST_CURVED_EDGE = 2e-2
-"""Smallest tolerance past a curved boundary side, in reference coordinates, of points that count as inside."""
+"""Tolerance, in reference coordinates, within which points outside a curved boundary side count as inside; it may be
+larger, see `Mesh.locate`.
+"""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Location(Brief):
-    """Elements (q,) that contain points, -1 outside the mesh, and reference coordinates (q, 2), NaN outside."""
+    """For each point the element (q,) that contains it, -1 outside the mesh, and reference coordinates (q, 2).
+
+    Outside the mesh the reference coordinates are NaN.
+    """
 
     elements: Ints
     xi: Floats
 
     @property
     def inside(self) -> Bools:
-        """Mask (q,) of the points in the mesh."""
+        """Mask (q,) of the points that are in the mesh."""
         return np.asarray(self.elements >= 0)
 
 
@@ -92,7 +97,7 @@ class Mesh(Remade):
     elements: Ints
     edges: Mapping[str, Ints]
     layers: tuple[Mesh, ...] = ()
-    """The meshes of several plates that this mesh combines, see `layered`."""
+    """The meshes of several plates that `layered` combined in this mesh."""
 
     def __post_init__(self) -> None:
         """Copy the arrays, make them read-only and check the mesh."""
@@ -113,10 +118,10 @@ class Mesh(Remade):
     def from_meshio(cls, data: meshio.Mesh) -> Self:
         """Convert a mesh of meshio.
 
-        It must have 8- or 9-node quadrilaterals or 6-node triangles in a plane z = const. Coincident nodes (within 1e-9
-        of the size) are merged, clockwise elements reversed, center nodes of 9-node quadrilaterals and unused nodes
-        removed. The edge ``boundary`` is the whole outline. Other edges are named groups of 3-node lines, and named
-        groups of nodes that contain whole sides of the outline.
+        The mesh must have 8- or 9-node quadrilaterals or 6-node triangles in a plane z = const. Coincident nodes
+        (within 1e-9 of the size) are merged, clockwise elements reversed, center nodes of 9-node quadrilaterals and
+        unused nodes removed. The edge ``boundary`` is the whole outline. Other edges are named groups of 3-node lines,
+        and named groups of nodes that contain whole sides of the outline.
 
         Examples
         --------
@@ -134,7 +139,7 @@ class Mesh(Remade):
     def layered(cls, meshes: Sequence[Self]) -> Self:
         """Combine the meshes of several plates in one table of nodes and elements, without edges.
 
-        It cannot locate points, since a point may be in several plates.
+        The combined mesh cannot locate points, since a point may be in several plates.
         """
         nodes = np.cumsum([0, *(mesh.node_count for mesh in meshes)])
         elements = [mesh.elements + first for mesh, first in zip(meshes, nodes, strict=False)]
@@ -145,48 +150,48 @@ class Mesh(Remade):
         return combined
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the arrays, with the edges as a dict."""
+        """Return the arrays and a copy of the edges, for pickle."""
         return super().__getstate__() | {"edges": dict(self.edges)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Set the arrays of a mesh, and make them read-only."""
+        """Set the arrays and make them read-only, for pickle."""
         for array in state["edges"].values():
             array.flags.writeable = False
         super().__setstate__(state | {"edges": MappingProxyType(state["edges"])})
 
     @property
     def node_count(self) -> int:
-        """Number of nodes."""
+        """Number of nodes of the mesh."""
         return len(self.points)
 
     @cached_property
     def size(self) -> float:
-        """Longest side of the bounding box."""
+        """Length of the longer side of the mesh's bounding box."""
         return float(np.ptp(self.points, axis=0).max())
 
     @cached_property
     def diameter(self) -> float:
-        """Largest distance between two nodes, the reference of tolerances: independent of rotation."""
+        """Largest distance between two nodes; tolerances are relative to it, as rotation does not change it."""
         return diameter(self.points[np.unique(self.boundary)])
 
     @property
     def near(self) -> Tolerances:
-        """Tolerances for equal positions."""
+        """Largest distances of points of this mesh that count as equal."""
         return Tolerances(self.diameter)
 
     @cached_property
     def middle(self) -> Floats:
-        """Center (2,) of the bounding box."""
+        """Center (2,) of the bounding box of the mesh."""
         return np.asarray(0.5 * (self.points.min(axis=0) + self.points.max(axis=0)))
 
     @cached_property
     def nodes(self) -> Floats:
-        """Positions (ne, 8, 2) of every element's nodes."""
+        """Positions (ne, 8, 2) of the nodes of every element."""
         return np.asarray(self.points[self.elements])
 
     @cached_property
     def triangles(self) -> Bools:
-        """Mask (ne,) of the triangles."""
+        """Mask (ne,) of the elements that are triangles."""
         return maps.are_triangles(self.elements)
 
     @cached_property
@@ -199,45 +204,45 @@ class Mesh(Remade):
 
     @cached_property
     def unique_sides(self) -> Ints:
-        """Node triples (k, 3) of the unique sides."""
+        """Node triples (k, 3) of all sides; a side of two elements occurs once."""
         sides = self.sides[maps.real_sides(self.elements)]
         return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
 
     @property
     def spanning(self) -> Bools:
-        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary: alone across, they bend too little."""
+        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary; such elements bend too little."""
         outer = self.on_boundary
         return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
 
     @cached_property
     def on_boundary(self) -> Bools:
-        """Mask (ne, 4) of the element sides on the boundary."""
+        """Mask (ne, 4) of the element sides that are on the boundary."""
         return mesh_checks.on_boundary(self.elements)
 
     @cached_property
     def boundary(self) -> Ints:
-        """Node triples (k, 3) of the boundary, with the plate on the left, loop after loop."""
+        """Node triples (k, 3) of the boundary sides, with the plate on their left, one closed loop after the other."""
         return mesh_checks.loops(self.sides[self.on_boundary])
 
     @cached_property
     def holes(self) -> tuple[Floats, ...]:
-        """Polygons (k, 2) of the holes."""
+        """Polygon (k, 2) that approximates the outline of each hole."""
         return holes(self.points, self.boundary)
 
     @cached_property
     def element_area(self) -> Floats:
-        """Area (ne,) of every element."""
+        """Area (ne,) of each element."""
         area = np.empty(len(self.elements))
         area[~self.triangles] = maps.determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
         area[self.triangles] = 0.5 * maps.determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
         return area
 
     def part(self, elements: Ints) -> Mesh:
-        """A mesh of some elements (k,), with all nodes and without edges; not validated."""
+        """Return the mesh of the elements with numbers (k,), with all nodes and without edges; it is not validated."""
         return self._with({"points": self.points, "elements": self.elements[elements], "edges": {}})
 
     def with_triangles(self) -> Mesh:
-        """Convert quadrilaterals with a collapsed side to triangles; not validated."""
+        """Return the mesh with triangles in place of quadrilaterals with a collapsed side; it is not validated."""
         degenerate = maps.are_degenerate(self.elements)
         if not degenerate.any():
             return self
@@ -245,19 +250,19 @@ class Mesh(Remade):
         return self._with({"points": self.points, "elements": elements, "edges": self.edges})
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
-        """Shape functions N (q, 8) of elements (q,) at reference points ξ (q, 2)."""
+        """Shape functions N (q, 8) of elements with numbers (q,) at reference points ξ (q, 2)."""
         return shape_values(self.elements, elements, xi)
 
     def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
-        """Reference points (q, 2) of the start and the end of sides (q,) of elements (q,)."""
+        """Reference points (q, 2) of the start and of the end of side ``sides`` (q,) of element ``elements`` (q,)."""
         triangles = self.triangles[elements, None]
         begin, end = ((maps.TRIANGLE_CORNERS[at], maps.CORNERS[at]) for at in (sides, (sides + 1) % 4))
         return np.where(triangles, *begin), np.where(triangles, *end)
 
     def spread(self, elements: Ints, stations: Floats, part: float = 1.0) -> Floats:
-        """Map points (s, 2) of the square [−1, 1]² into elements (k,): positions (k, s, 2).
+        """Positions (k, s, 2) in elements (k,) of points (s, 2) of the square [−1, 1]².
 
-        The distances of the reference points from the element's center are scaled by ``part``.
+        First the distances of the reference points from the element's center are multiplied by ``part``.
         """
         places = np.empty((len(elements), len(stations), 2))
         triangles = self.triangles[elements]
@@ -267,7 +272,7 @@ class Mesh(Remade):
         return places
 
     def inward(self, elements: Ints, xi: Floats, part: float) -> Floats:
-        """Scale the distances of reference points (q, 2) from the centers of elements (q,) by ``part``."""
+        """Multiply the distances of reference points (q, 2) from the centers of elements (q,) by ``part``."""
         middle = self.triangles[elements, None] * maps.CENTROID
         return np.asarray(middle + part * (xi - middle))
 
@@ -280,11 +285,11 @@ class Mesh(Remade):
         return nodal_forces(self.node_count, self.elements, elements, xi, forces)
 
     def jacobian(self, elements: Ints, xi: Floats) -> Floats:
-        """Jacobian ∂x/∂ξ (q, 2, 2); the first index is that of x."""
+        """Jacobian J = ∂x/∂ξ (q, 2, 2) of elements (q,) at reference points (q, 2); the first index is that of x."""
         return maps.jacobians(self.nodes[elements], xi)
 
     def invert(self, elements: Ints, points: Floats) -> Floats:
-        """Reference points (q, 2) of positions (q, 2) in, or just outside, elements (q,)."""
+        """Reference points (q, 2) of positions (q, 2) that are in elements (q,) or just outside."""
         xi, converged = maps.invert(self.nodes[elements], points)
         if not converged.all():
             place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(converged)]))
@@ -292,11 +297,11 @@ class Mesh(Remade):
         return xi
 
     def locate(self, points: Floats) -> Location:
-        """Find the elements that contain points.
+        """Find the elements that contain points (q, 2).
 
-        A point on a side or node belongs to the first of the elements that share it. A point of a circle may lie past
-        the parabola of a convex boundary edge. It counts as inside up to 2e-2 in reference coordinates, or up to a
-        tenth of the side's rise, and keeps its reference coordinate beyond 1.
+        A point on a side or node belongs to the element of lowest number there. A convex boundary side is a parabola;
+        points of the circle that it approximates may lie outside. Such a point counts as inside within 2e-2 in
+        reference coordinates, or within a tenth of the side's rise. Its reference coordinate remains beyond 1.
         """
         points = np.asarray(points, dtype=np.float64)
         point, held = self.holding(points)
@@ -308,7 +313,7 @@ class Mesh(Remade):
         return Location(elements, reference)
 
     def nearest(self, points: Floats) -> Location:
-        """Locate points (q, 2) as `locate`; a point outside belongs to the element with the nearest boundary side."""
+        """Locate points (q, 2) as `locate` does; a point outside gets the element with the nearest boundary side."""
         where = self.locate(points)
         off = np.flatnonzero(~where.inside)
         if not len(off):
@@ -319,13 +324,16 @@ class Mesh(Remade):
         return Location(elements, xi)
 
     def beside(self, points: Floats) -> Ints:
-        """The elements (q,) with the boundary sides nearest to points (q, 2)."""
+        """Number (q,) of the element whose boundary side has the nearest midside node to each point (q, 2)."""
         beside, side = np.nonzero(self.on_boundary)
         middles = self.points[self.sides[beside, side, 1]]
         return np.array([beside[((middles - at) ** 2).sum(axis=1).argmin()] for at in points], np.int64)
 
     def holding(self, points: Floats) -> tuple[Ints, Location]:
-        """Find all elements that contain points (q, 2), see `locate`: point numbers (k,), and locations (k,)."""
+        """Find all elements that contain each point (q, 2), see `locate`.
+
+        Return the numbers of points (k,) and their locations (k,); a point on a side occurs for each element there.
+        """
         point, element = self._tree.pairs(points)
         xi, result = maps.invert(self.nodes[element], points[point])
         past = self.past(element, xi)
@@ -342,9 +350,9 @@ class Mesh(Remade):
         return point, Location(element, xi - 0.5 * over[:, None])
 
     def onto_curved_sides(self, where: Location, reach: float) -> Floats:
-        """Move points within ``reach`` of the circle of a curved side onto the side; return reference points (q, 2).
+        """Move points near curved sides onto them; return the reference points (q, 2) of all points.
 
-        No point is moved by more than a tenth of the side's rise over its chord.
+        A point is moved if it is within ``reach`` of the side's circle, and at most by a tenth of the side's rise.
         """
         element, xi = where.elements, where.xi.copy()
         triangles, past = self.triangles[element], self.past(element, xi)
@@ -364,9 +372,9 @@ class Mesh(Remade):
         return np.asarray(xi - 0.5 * over[:, None])
 
     def past(self, element: Ints, xi: Floats) -> Floats:
-        """Signed distances (q, 4) of reference points (q, 2) past the sides of elements (q,), in reference coordinates.
+        """Signed distances (q, 4) of reference points (q, 2) from the sides of elements (q,), positive outside.
 
-        For the third side of a triangle, which is a node, the distance is -1.
+        They are in reference coordinates. For the third side of a triangle, which is a node, the distance is -1.
         """
         past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
         r, s = xi.T
@@ -374,7 +382,7 @@ class Mesh(Remade):
         return np.where(self.triangles[element, None], of_triangles, past)
 
     def nodes_at(self, points: npt.ArrayLike) -> Ints:
-        """Nodes (q,) at points (q, 2), within the tolerance `near.place`; -1 without a node.
+        """Numbers (q,) of the nodes at points (q, 2), within the tolerance `near.place`; -1 without a node there.
 
         Examples
         --------
@@ -389,10 +397,11 @@ class Mesh(Remade):
         return np.where(distance[nearest] <= self.near.place, nodes[nearest], -1)
 
     def edges_along(self, curve: Curve) -> Ints | None:
-        """Find the sides that cover a curve; None if the mesh does not follow the curve.
+        """Find the element sides that cover a curve; None if the mesh does not follow the curve.
 
-        The node triples (k, 3) have the order and direction of the curve, a ring counter-clockwise. All nodes are on it
-        within 1e-8 of the mesh's diameter. A ring that leaves the plate must be covered on the plate.
+        The node triples (k, 3) have the order and direction of the curve, for a ring counter-clockwise. The distance of
+        all nodes from the curve is at most 1e-8 of the mesh's diameter. Parts of a ring outside the plate need not be
+        covered.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
@@ -403,9 +412,9 @@ class Mesh(Remade):
         return on_ring.triples
 
     def sides_on(self, curve: Curve) -> Ints:
-        """Find the sides (k, 3) on a curve; at least half of each side lies on it.
+        """Find the element sides (k, 3) of which at least half lies on a curve.
 
-        The mesh may follow a part of the curve only; see `edges_along` for the whole curve.
+        The mesh may follow only a part of the curve; see `edges_along` for the whole curve.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
@@ -414,7 +423,7 @@ class Mesh(Remade):
         return np.zeros((0, 3), np.int64) if on_ring is None else on_ring.triples
 
     def boundary_beside(self, ring: Ring) -> Ints:
-        """Find the boundary sides (k, 3) that approximate a circle: all nodes are near enough to count as on it."""
+        """Find the curved boundary sides (k, 3) that approximate a circle: nodes within the tolerances of `locate`."""
         element, side = np.nonzero(self.on_boundary & self._curved & (self.sagitta > 0.0))
         triples = self.sides[element, side]
         beyond = ring.radius - np.hypot(*np.moveaxis(self.points[triples] - ring.center, 2, 0))
@@ -423,7 +432,7 @@ class Mesh(Remade):
         return np.asarray(triples[near.all(axis=1)])
 
     def find_sides(self, triples: Ints) -> tuple[Ints, Ints, Bools]:
-        """Elements (k,) and side numbers (k,) of node triples (k, 3); mask of those with the element on the left.
+        """Element (k,) and side number (k,) of node triples (k, 3); mask (k,) of triples with the element on the left.
 
         For a side of two elements, the element on the left is returned.
         """
@@ -446,39 +455,39 @@ class Mesh(Remade):
 
     @cached_property
     def _rounding(self) -> Floats:
-        """Tolerance (ne,) in reference coordinates for points on a side."""
+        """Largest distance (ne,) from a side, in reference coordinates, of points that count as on it."""
         lower, upper = maps.bounds(np.moveaxis(self.nodes, 1, 0))
         extent = (upper - lower).min(axis=1)
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
 
     @cached_property
     def _chords(self) -> Floats:
-        """Chord vectors (ne, 4, 2) of the sides."""
+        """Vectors (ne, 4, 2) from the start to the end of each side."""
         return np.asarray(self.points[self.sides[..., 2]] - self.points[self.sides[..., 0]])
 
     @cached_property
     def _lengths(self) -> Floats:
-        """Lengths (ne, 4) of the chords; 1 for collapsed sides."""
+        """Lengths (ne, 4) of the chords of the sides; 1 for collapsed sides."""
         return np.where(maps.real_sides(self.elements), np.hypot(*np.moveaxis(self._chords, 2, 0)), 1.0)
 
     @cached_property
     def sagitta(self) -> Floats:
-        """Rise (ne, 4) of the midside nodes over the chord, positive outwards."""
+        """Rise (ne, 4) of each side, the distance of the midside node from the chord, positive outwards."""
         chord, offset = self._chords, self.points[self.sides[..., 1]] - self.points[self.sides[..., 0]]
         return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / self._lengths)
 
     def round_outline_area(self, box: tuple[float, float, float, float]) -> float:
-        """Bound of the area between curved boundary edges in a box x0, y0, x1, y1 and their circles."""
+        """Upper bound of the area between curved boundary sides and their circles in a box xmin, ymin, xmax, ymax."""
         low, high = np.array(box[:2]), np.array(box[2:])
         boxes, areas = self._round_outline
         return float(areas[(boxes[:, :2] <= high).all(axis=1) & (boxes[:, 2:] >= low).all(axis=1)].sum())
 
     @cached_property
     def _round_outline(self) -> tuple[Floats, Floats]:
-        """Bounding boxes (k, 4) of curved boundary edges with their circles, and bounds (k,) of the areas between."""
+        """Boxes (k, 4) around each curved boundary side and its circle, and bounds (k,) of the areas between these."""
         curved = self.on_boundary & self._curved
         sides, rise, chord = self.points[self.sides[curved]], np.abs(self.sagitta[curved]), self._lengths[curved]
-        # For chord c and rise s the area is less than 0.03 c s, for elements of up to 90°.
+        # For the chord c and rise s the area between parabola and circle is less than 0.03 c s, for sides of up to 90°.
         return maps.side_boxes(sides) + rise[:, None] * np.array([-1.0, -1.0, 1.0, 1.0]), 0.03 * chord * rise
 
     @cached_property
@@ -487,19 +496,19 @@ class Mesh(Remade):
 
     @cached_property
     def _depth(self) -> Floats:
-        """Depth (ne, 4) of the elements normal to each side: area over length."""
+        """Extent (ne, 4) of each element normal to each side: the element's area over the chord's length."""
         return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property
     def _reach(self) -> Floats:
-        """Distance (ne, 4) past each side, in reference coordinates, up to which a point counts as inside."""
+        """Largest distance (ne, 4) outside each side, in reference coordinates, of points that count as inside."""
         past = np.clip(_RELATIVE_GAP * self.sagitta / self._depth, _PAST_CURVED_EDGE, 0.3)
         curved = self.on_boundary & self._curved & (self.sagitta > 0.0)
         return np.where(curved, past, self._rounding[:, None])
 
     @cached_property
     def boxes(self) -> Floats:
-        """Bounding boxes (ne, 4) xmin, ymin, xmax, ymax of the elements, curved sides included."""
+        """Bounding boxes (ne, 4) xmin, ymin, xmax, ymax of the elements with their curved sides."""
         boxes = maps.side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
         corners = np.moveaxis(boxes.reshape(-1, 8, 2), 1, 0)
         return np.hstack(maps.bounds(corners))

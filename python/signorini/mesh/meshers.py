@@ -32,12 +32,12 @@ def rectangle(
     y_lesser: Sequence[float] = (),
     axes: Axes = ALONG_X,
 ) -> Mesh:
-    """Mesh a rectangle along the axes.
+    """Mesh a rectangle with sides along the axes.
 
     There are ``divisions`` elements along x and y. Grid lines follow `x_lines` and `y_lines`, then the lesser lines, as
-    far as `subdivide` can. ``refined`` are boxes (x0, y0, x1, y1) with an element size; a box that spans the plate in
-    one direction refines the other direction only. Refinement increases the number of elements (`graded`). Equal pieces
-    between lines are filled from the start of the axes (`axes_of`).
+    far as `subdivide` can. ``refined`` are boxes (xmin, ymin, xmax, ymax) with an element size; a box that spans the
+    plate in one direction refines the other direction only. Refinement increases the number of elements (`graded`). If
+    several divisions are equally good, ``axes`` (`axes_of`) decide.
     """
     x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
     y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
@@ -62,7 +62,7 @@ def _joints(
     refined: Sequence[Refined],
     axes: Axes,
 ) -> Floats:
-    """Coordinates of the grid lines of a rectangle along an axis."""
+    """Coordinates of the grid lines of a rectangle along axis 0 (x) or 1 (y)."""
     start, length, across = origin[axis], size[axis], size[1 - axis]
     caps = []
     for box, most in refined:
@@ -79,7 +79,8 @@ def _joints(
         within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
         return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
 
-    # The direction matters for equal pieces only; otherwise the coordinates keep their digits.
+    # The direction of division matters only if several divisions are equally good. Otherwise the forward division is
+    # used, whose coordinates keep their digits.
     forward = along(1.0)
     if axes[0][axis] + axes[1][axis] > 0:
         return forward
@@ -169,9 +170,9 @@ def disc(
 
 
 def _with_most_of(radius: float, radial: int, radii: Sequence[float], first: int) -> Floats:
-    """Joints along a radius: ``radial`` parts, or up to twice as many if more of the radii then are joints.
+    """Joints along a radius: ``radial`` parts, or up to twice as many if then more of ``radii`` are joints.
 
-    The elements of a small core are small, and neighbours of much larger size are not allowed.
+    More parts may be needed, because the elements of a small core are small, and neighbours must not be much larger.
     """
     wanted = [r for r in radii if r < radius * (1.0 - _SAME)]
     best, most = np.zeros(0), -1
@@ -186,14 +187,14 @@ def _with_most_of(radius: float, radial: int, radii: Sequence[float], first: int
 
 
 def _half_width() -> float:
-    """Distance from the center to the middle of a side of the core, for corners at distance 1."""
+    """Distance from the center to the middle of a core's side, if the core's corners are at distance 1."""
     return (1.0 - _ROUNDNESS) * math.sqrt(0.5) + _ROUNDNESS
 
 
 def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
-    """Nodes (b, a, 2) of the core, with corners at distance 1, and their numbers (b, a).
+    """Nodes (b, a, 2) of the core of a disc, with its corners at distance 1 from the center; node numbers (b, a).
 
-    The core is a blend of a square and a disc with straight element sides.
+    The shape of the core is between a square and a disc; element sides are straight.
     """
     across = 2 * cells if quarters == 2 else cells
     u = np.linspace(0.0 if quarters == 1 else -1.0, 1.0, across + 1)
@@ -210,7 +211,7 @@ def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
 
 
 def _core_outline(rows: Ints, quarters: int) -> Ints:
-    """Nodes of the core's outline, counter-clockwise from the lower right corner, or from start to end."""
+    """Node numbers of the core's outline, counter-clockwise from the lower right corner, or from start to end."""
     walk = [rows[:, -1], rows[-1, -2::-1]]
     if quarters > 1:
         walk.append(rows[-2::-1, 0])
@@ -227,19 +228,19 @@ def _with_middles(knots: Floats) -> Floats:
 
 
 def _quads(index: Ints) -> Ints:
-    """Elements (ab, 8) of a lattice of node numbers (2a+1, 2b+1)."""
+    """Elements (ab, 8) of a grid of a × b cells with node numbers (2a+1, 2b+1)."""
     a, b, c = slice(0, -2, 2), slice(1, -1, 2), slice(2, None, 2)
     around = ((a, a), (a, c), (c, c), (c, a), (a, b), (b, c), (c, b), (b, a))
     return np.stack([index[place] for place in around], axis=-1).reshape(-1, 8)
 
 
 def _triples(line: Ints) -> Ints:
-    """Node triples corner, midside, corner of the sides along a line of nodes."""
+    """Node triples corner, midside, corner of the element sides along a line of node numbers."""
     return np.column_stack([line[:-2:2], line[1::2], line[2::2]])
 
 
 def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
-    """Make the mesh; the centers of the lattice cells are removed, which 8-node elements do not use."""
+    """Make a mesh without unused nodes, such as the centers of grid cells: elements have 8 nodes."""
     used = np.zeros(len(points), dtype=bool)
     used[elements] = True
     number = np.cumsum(used) - 1
@@ -247,11 +248,11 @@ def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
 
 
 MOST = 10_000_000
-"""Largest number of elements of a meshed outline: the preparation of more may not fit into memory."""
+"""Largest number of elements of a meshed outline: more may not fit into memory during the preparation."""
 
 
 class OutlineError(InputError):
-    """An outline that cannot be meshed; ``contour`` and ``side`` are the position of the problem, if it has one."""
+    """An outline that cannot be meshed; ``contour`` and ``side`` are the indices of the problem's place, or None."""
 
     def __init__(self, message: str, contour: int | None = None, side: int | None = None) -> None:
         super().__init__(message)
@@ -269,16 +270,16 @@ def outlined(
 ) -> Mesh:
     """Mesh the area inside the first contour and outside the others, which are holes.
 
-    ``size`` is the element size: the largest side if all elements are squares. There are at most about ``most``
-    elements. The edges are those of the contours; nodes on arcs are exactly on them. With equal axes (`axes_of`) the
-    mesh does not depend on units, position, or the order of corners, holes and lines of a group. Contours that cross,
-    touch or nearly touch are refused.
+    ``size`` is the element size: the longest side if all elements are squares. There are at most about ``most``
+    elements. The edges of the mesh are those of the contours; nodes on arcs are exactly on them. With equal axes
+    (`axes_of`) the mesh does not depend on units or position, nor on the order of corners, holes, and lines of a group.
+    Contours that cross, touch or nearly touch are refused.
 
-    ``refinements`` (r, 5) are segments, x, y to x, y, with the size there; away from them the size grows by a quarter
-    of the distance. ``lines`` are groups of lines that element sides follow, in order of priority: segments (l, 4), or
-    arcs (a, 6) from x, y through x, y to x, y. A line outside the plate, or closer to the outline or to earlier lines
-    than about half an element, is skipped; if the flag of its group is True, only such parts are. ``points`` (p, 2)
-    become nodes, unless they are too close to other nodes or lines.
+    ``refinements`` (r, 5) are segments, x, y to x, y, with the element size there; away from them the size grows by a
+    quarter of the distance. ``lines`` are groups of lines that element sides follow, in order of priority: segments (l,
+    4), or arcs (a, 6) from x, y through x, y to x, y. A line is skipped if a part of it is outside the plate, or closer
+    to the outline or to earlier lines than about half an element. If the flag of the group is True, only such parts of
+    its lines are skipped. ``points`` (p, 2) become nodes, unless they are too close to other nodes or lines.
     """
     none = np.nan, np.nan
     loops = [
@@ -311,14 +312,14 @@ def outlined(
 
 
 def divided(mesh: Mesh, times: int = 1) -> Mesh:
-    """Divide every element into four, ``times`` times; curved sides and named edges are kept."""
+    """Divide every element into four, ``times`` times; curved sides and named edges are preserved."""
     return mesh if times == 0 else divided(_halved(mesh), times - 1)
 
 
 def _halved(mesh: Mesh) -> Mesh:
     n = mesh.node_count
-    # New nodes: the quarter points of each side; the center and four midsides of each quadrilateral; three midsides of
-    # each triangle.
+    # New nodes: the quarter points of each side; center and four midsides inside each quadrilateral; three midsides
+    # inside each triangle.
     sides = mesh.unique_sides
     number = np.full(n, -1)
     number[sides[:, 1]] = np.arange(len(sides))
@@ -335,7 +336,7 @@ def _halved(mesh: Mesh) -> Mesh:
     centre = n + 2 * len(sides) + 5 * np.arange(len(squares))
     joint = n + 2 * len(sides) + 5 * len(squares) + 3 * np.arange(len(triangles))
 
-    # Quarter nodes of the sides of each element, in the direction of the element.
+    # Quarter points of the sides of each element, in the direction in which the element has the side.
     first = n + 2 * number[mesh.sides[..., 1]]
     along = sides[number[mesh.sides[..., 1]], 0] == mesh.sides[..., 0]
     near, far = np.where(along, first, first + 1), np.where(along, first + 1, first)

@@ -23,12 +23,12 @@ from signorini.mesh.cells import node_blocks, node_numbers
 _T = TypeVar("_T")
 
 _LARGEST_FILE = 4_000_000_000
-"""Largest size of a mesh file in bytes; ten million elements as text take about three quarters of it."""
+"""Largest size of a mesh file in bytes; ten million elements as text need about three quarters of it."""
 _SECONDS, _SECONDS_PER_MB = 10.0, 10.0
-"""Seconds allowed for reading a file, and per megabyte: a hundred times the usual time. Wrong counts in a damaged file
-can make a parser read forever."""
+"""Seconds allowed for reading a file: a constant, and seconds per megabyte, a hundred times the usual time. Wrong
+counts in a damaged file can make a parser read forever."""
 _LONGEST_REASON = 200
-"""Largest number of characters of a parser's message that are shown."""
+"""Largest number of characters of a parser's message that an error quotes."""
 
 
 def read(path: str | Path) -> Mesh:
@@ -42,9 +42,9 @@ def read(path: str | Path) -> Mesh:
 
 
 def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
-    """Read a mesh file; return the mesh, and the positions of the nodes by their numbers in the file.
+    """Read a mesh file; return the mesh, and the position of each node by its number in the file.
 
-    Merged and unused nodes are included. Formats without node numbers are refused; see `signorini.mesh.cells`.
+    The positions include merged and unused nodes. Formats without node numbers are refused; see `signorini.mesh.cells`.
     """
     path = Path(path)
 
@@ -76,7 +76,7 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
 
 
 def _load(path: Path, size: int) -> meshio.Mesh:
-    """Read with meshio; its parsers may print, exit, raise any exception, or not terminate."""
+    """Read a file of ``size`` bytes with meshio, whose parsers may print, exit, raise any exception, or never end."""
     output = io.StringIO()
     outcome: list[meshio.Mesh | BaseException] = []
 
@@ -93,7 +93,7 @@ def _load(path: Path, size: int) -> meshio.Mesh:
         reader.join(_SECONDS + _SECONDS_PER_MB * size / 1e6)
         if reader.is_alive() and reader.ident is not None:
             outcome[:] = [TimeoutError("reading it does not terminate")]
-            # Otherwise the thread would continue to read in the background.
+            # End the thread, which would otherwise continue to read in the background.
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(reader.ident), ctypes.py_object(SystemExit))
     if outcome and isinstance(outcome[0], meshio.Mesh):
         return outcome[0]

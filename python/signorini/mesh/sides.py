@@ -1,4 +1,4 @@
-"""Sides of elements: find those along lines, circles and holes, and their points nearest to given points."""
+"""Element sides: those along lines, circles and holes, and their points nearest to given points."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from signorini.shapes.boxes import BoxTree
 from signorini.shapes.outlines import Box, Side
 
 _STEPS = 8
-"""Number of Gauss–Newton steps to the nearest point of a side; straight sides need one."""
+"""Number of Gauss–Newton steps to the nearest point of a curved side; a straight side needs one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Sides (k, 3, 2) as corner, midside, corner; `nearest` searches points up to the distance ``within``."""
+    """Element sides (k, 3, 2) as corner, midside, corner; `nearest` ignores those farther than ``within``."""
 
     nodes: Floats
     within: float
 
     @property
     def bounds(self) -> Box:
-        """Bounding box (xmin, ymin, xmax, ymax)."""
+        """Bounding box xmin, ymin, xmax, ymax of all sides."""
         boxes = side_boxes(self.nodes)
         (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
         return x0, y0, x1, y1
 
     @property
     def off_arcs(self) -> float:
-        """Upper bound of the distance between sides and their exact arcs: a tenth of the largest rise over a chord."""
+        """Upper bound of the distance between sides and the arcs that they approximate: a tenth of the largest rise."""
         rise = self.nodes[:, 1] - 0.5 * (self.nodes[:, 0] + self.nodes[:, 2])
         return 0.1 * float(np.hypot(*rise.T).max(initial=0.0))
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats]:
-        """Nearest positions (q, 2) on the sides to points (q, 2), and the distances; ∞ beyond ``within``."""
+        """Position (q, 2) on the sides nearest to each point (q, 2), and the distance (q,); ∞ if beyond ``within``."""
         positions, distances = points.copy(), np.full(len(points), np.inf)
         if not len(self.nodes):
             return positions, distances
@@ -54,7 +54,7 @@ class Sides:
 
 
 def onto(sides: Floats, points: Floats) -> Floats:
-    """Positions (k, 2) on sides (k, 3, 2) nearest to points (k, 2), one per side, or to one point (2,)."""
+    """Position (k, 2) on each side (k, 3, 2) nearest to its point (k, 2), or to the only point (2,)."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
     t = np.zeros((len(a), 1))
@@ -65,14 +65,14 @@ def onto(sides: Floats, points: Floats) -> Floats:
 
 
 _KINK = 0.1
-"""Smallest angle [rad] of a corner of a line."""
+"""Smallest change of direction [rad] of a line at a corner."""
 
 _GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
 
 
 @dataclass(frozen=True, eq=False)
 class OnRing:
-    """Sides (k, 3) on a circle, counter-clockwise, and points (q, 2) of the circle in the gaps between sides."""
+    """Element sides (k, 3) on a circle, counter-clockwise, and points (q, 2) of the circle between these sides."""
 
     triples: Ints
     gaps: Floats
@@ -81,8 +81,8 @@ class OnRing:
 def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints | None:
     """Find the element sides that cover a polyline.
 
-    ``triples`` (k, 3) are the unique sides of the mesh; their nodes may be off the straight sides of the polyline by
-    the tolerance. The sides have the order and direction of the polyline; None if a part of it is not covered.
+    ``triples`` (k, 3) are the unique sides of the mesh; their nodes may be off the polyline by the tolerance. The
+    returned sides have the order and direction of the polyline; None if a part of it is not covered.
     """
     chains = [_edges_on_side(points, triples, side, tolerance) for side in sides]
     covered = [chain for chain in chains if chain is not None]
@@ -102,7 +102,7 @@ def _edges_on_side(points: Floats, triples: Ints, side: Side, tolerance: float) 
 
 
 def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints:
-    """Find the element sides (k, 3) of which at least half lies on the sides of a polyline, straight or arcs."""
+    """Find the element sides (k, 3) of which at least half lies on one of the straight sides of a polyline."""
     found = [np.zeros((0, 3), np.int64)]
     for side in sides:
         length, station, on = _on_side(points, side, tolerance)
@@ -114,7 +114,7 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length of a side; coordinates (n,) of points along its line; and a mask (n,) of the points on the line."""
+    """Length of a side; coordinates (n,) of points (n, 2) along its line; mask (n,) of the points on the line."""
     a, _, b = side
     length = math.dist(a, b)
     along = np.subtract(b, a) / length
@@ -123,7 +123,7 @@ def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Float
 
 
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
-    """Find the sides with all nodes on a circle; None without such sides.
+    """Find the element sides with all nodes on a circle; None without such sides.
 
     ``triples`` (k, 3) are the unique sides of the mesh; nodes may be off the circle by the tolerance.
     """
@@ -146,35 +146,35 @@ def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -
 
 
 def at_ends(points: Floats, triples: Ints) -> Bools:
-    """Mask of the sides (k, 3) with an end at which no other side continues in nearly the same direction."""
+    """Mask (k,) of the sides (k, 3) with an end at which no other side continues in nearly the same direction."""
     a, m, b = (points[triples[:, i]] for i in range(3))
     leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
     leaving /= np.hypot(*leaving.T)[:, None]
     node = np.concatenate([triples[:, 0], triples[:, 2]])
-    # At an interior point of a smooth line the unit vectors of its two sides cancel.
+    # At an interior node of a smooth line the unit vectors along its two sides cancel.
     total = np.column_stack([np.bincount(node, part) for part in leaving.T])
     return np.asarray((np.hypot(*total.T)[node] > _KINK).reshape(2, -1).any(axis=0))
 
 
 def _turn(begin: Floats | float, end: Floats) -> Floats:
-    """Counter-clockwise angle from one direction to another, in [0, 2π)."""
+    """Counter-clockwise angle in [0, 2π) from the direction ``begin`` to the direction ``end`` [rad]."""
     return np.asarray(np.mod(end - begin, 2.0 * np.pi))
 
 
 _MISSED = 1e-4
-"""Largest area between the chords and the curved sides of a hole, relative to the hole's area."""
+"""Largest area between a hole's curved sides and the chords that replace them, relative to the hole's area."""
 
 
 def holes(points: Floats, boundary: Ints) -> tuple[Floats, ...]:
-    """Polygons (k, 2) of the holes, with enough points on curved sides for the area.
+    """Polygon (k, 2) of each hole, with enough points on curved sides for an accurate area.
 
-    ``boundary`` (k, 3) has the plate on its left, loop after loop: clockwise around holes.
+    ``boundary`` (k, 3) are the boundary sides with the plate on their left, loop after loop: clockwise around holes.
     """
     return tuple(hole for loop in _loops(boundary) if (hole := _hole_polygon(points[loop])) is not None)
 
 
 def _loops(boundary: Ints) -> Iterator[Ints]:
-    """Divide sides (k, 3) into closed loops; a loop that passes a corner twice is divided there."""
+    """Divide boundary sides (k, 3) into closed loops; a loop that visits a corner twice is divided there."""
     ends = boundary[:, [0, 2]].tolist()
     path: list[int] = []
     at: dict[int, int] = {}
@@ -190,11 +190,11 @@ def _loops(boundary: Ints) -> Iterator[Ints]:
 
 
 def _hole_polygon(sides: Floats) -> Floats | None:
-    """Points along a loop of sides (k, 3, 2); None for an outer boundary."""
+    """Points (k, 2) along a loop of sides (k, 3, 2); None if the loop is an outer boundary."""
     begin, middle, end = np.moveaxis(sides, 1, 0)
     rise = middle - 0.5 * (begin + end)
     area = 0.5 * float((begin[:, 0] * end[:, 1] - begin[:, 1] * end[:, 0]).sum())
-    # Area between a parabola and its chord: 2/3 chord × rise.
+    # The area between a parabola and its chord is 2/3 chord × rise.
     curved = 2.0 / 3.0 * ((end - begin)[:, 0] * rise[:, 1] - (end - begin)[:, 1] * rise[:, 0])
     area -= float(curved.sum())
     if area >= 0.0:

@@ -31,17 +31,17 @@ Complaint = tuple[Place, str]
 
 
 class Table(BaseModel):
-    """A table of the input: immutable; unknown keys are refused.
+    """Base class of a table of the input: immutable; unknown keys are refused.
 
-    Invalid values raise `InputError`, which lists every problem with its place.
+    Invalid values raise `InputError`, which lists every problem with its place in the input.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    if not TYPE_CHECKING:  # For a type checker the parameters are the fields.
+    if not TYPE_CHECKING:  # A type checker takes the fields as parameters of the constructor.
 
         def __init__(self, /, *args: object, **keys: object) -> None:
-            """Make a table; invalid values raise the `InputError` of an input file."""
+            """Make a table from its keys; invalid values raise the same `InputError` as in an input file."""
             name = type(self).__name__
             if args:
                 raise InputError(
@@ -58,14 +58,14 @@ class Table(BaseModel):
         __init__.__pydantic_base_init__ = True
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse to assign a key."""
+        """Refuse to assign a value to a key."""
         if name in type(self).model_fields:
             kind = type(self).__name__
             raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
         super().__setattr__(name, value)
 
     def _complaints(self) -> Iterator[Complaint]:
-        """Yield contradictions between valid keys: the place relative to this table, and the message."""
+        """Yield each contradiction between valid keys: its place relative to this table, and the message."""
         yield from ()
 
     @model_validator(mode="after")
@@ -84,19 +84,19 @@ class Table(BaseModel):
         return self
 
     def present(self, keys: Iterable[str]) -> list[str]:
-        """The keys among ``keys`` that have a value."""
+        """Return those of ``keys`` that have a value."""
         return [key for key in keys if getattr(self, key) is not None]
 
 
 def wrong_length(length: int, points: int) -> str:
-    """Message for a list whose length differs from the number of points."""
+    """Message for a list with ``length`` values at ``points`` points."""
     return (
         f"found a list of {length} for {points} point{'s' * (points != 1)}; give one value per point, or one for all."
     )
 
 
 def number(value: object) -> float:
-    """Validate a finite int or float, of Python or NumPy; a bool or a text is refused."""
+    """Validate a finite int or float of Python or NumPy; a bool or text is refused."""
     if isinstance(value, bool) or not isinstance(value, Real):
         hint = _number_hint(value) if isinstance(value, str) else ""
         raise ValueError(f"found {describe(value)}; it must be a number.{hint}")
@@ -110,7 +110,7 @@ def number(value: object) -> float:
 
 
 def _number_hint(text: str) -> str:
-    """Hint how to write a number that was given as text."""
+    """Sentence for a message: how to write the number that was found as text."""
     try:
         float(text)
     except ValueError:
@@ -140,7 +140,7 @@ def _printable(text: str) -> str:
 
 
 def reader(above: float | None = None, at_least: float | None = None) -> Callable[[object], Expression]:
-    """Return a validator of a number or an expression; a constant is checked against the bounds."""
+    """Return a validator of a number or an expression; a number must be ``above`` or ``at_least`` its bound."""
 
     def read(value: object) -> Expression:
         if isinstance(value, Expression):
@@ -165,7 +165,7 @@ def reader(above: float | None = None, at_least: float | None = None) -> Callabl
 def _scalar(
     above: float | None = None, at_least: float | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key whose value is a number or an expression."""
+    """Annotations (validator, serializer, JSON Schema) of a key whose value is a number or an expression."""
     limits = {"exclusiveMinimum": above} if above is not None else {"minimum": at_least} if at_least is not None else {}
     schema = {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
     return (
@@ -176,12 +176,12 @@ def _scalar(
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:
-    """Return a validator of a list of ``length`` values; messages describe the list by ``form``."""
+    """Return a validator of a list of ``length`` values; ``form`` describes the list in messages."""
 
     def check(value: object) -> object:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
-            # A decimal comma makes two integers of one number in TOML.
+            # TOML reads 1,5 in a list as two integers.
             commas = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
             hint = " The decimal sign is a point." if commas else ""
             raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
@@ -217,12 +217,12 @@ def _polyline(points: Any) -> object:
 
 
 def first_duplicate(values: Sequence[object]) -> object | None:
-    """The first value that occurs twice in a list; None without duplicates."""
+    """Return the first value that occurs twice in a list; None if there are no duplicates."""
     return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 
 def _unique_list(kind: type, form: str) -> BeforeValidator:
-    """Validator: a single value of a type becomes a list of one; empty lists and duplicates are refused."""
+    """Return a validator of a list without duplicates; a single value of type ``kind`` becomes a list of one value."""
 
     def read(value: object) -> object:
         value = as_list(value)
@@ -244,7 +244,7 @@ def _as_tuple(value: object) -> object:
 
 
 def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
-    """Annotations of a key whose value is a list of ``length`` numbers; messages describe it by ``form``."""
+    """Annotations of a key whose value is a list of ``length`` numbers; ``form`` describes the list in messages."""
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
 
 
@@ -261,7 +261,7 @@ Counts = Annotated[
         {"type": ["integer", "array"], "minimum": 1, "minItems": 1, "items": {"type": "integer", "minimum": 1}}
     ),
 ]
-"""One count or a list of counts."""
+"""One positive integer or a list of positive integers."""
 Stations = Annotated[int, Field(ge=2, le=1000), BeforeValidator(_whole)]
 Text = Annotated[str, Field(strict=True, max_length=200), AfterValidator(_printable)]
 
@@ -309,7 +309,7 @@ Edges = Annotated[
 
 
 class OnPlate(Table):
-    """Base class of tables that belong to one plate."""
+    """Base class of tables that belong to one plate, named by the key ``plate``."""
 
     plate: Text | None = Field(
         default=None, description="With several plates: name of the plate in [plates] to which this table belongs."
@@ -317,6 +317,6 @@ class OnPlate(Table):
 
 
 class Named(Table):
-    """Base class of tables with a name."""
+    """Base class of tables with the key ``name``."""
 
     name: Text = Field(default="", description='Unique name; default the kind and the position, "support 1".')

@@ -18,7 +18,7 @@ from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
-"""Largest size in bytes of a CSV file of factors: a million combinations of 40 cases."""
+"""Largest size in bytes of a CSV file of factors; it suffices for a million combinations of 40 cases."""
 
 Value = TypeVar("Value")
 
@@ -33,7 +33,7 @@ _KEYS_OF: dict[Generate | None, tuple[str, ...]] = {
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):
-    """An immutable mapping by name; hashable if its values are."""
+    """An immutable mapping from names to values; hashable if its values are hashable."""
 
     __slots__ = ("_items",)
 
@@ -41,7 +41,7 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
         self._items = dict(items)
 
     def __getitem__(self, name: str) -> Value:
-        """Return the value of a name."""
+        """Return the value with a name."""
         return self._items[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -49,25 +49,28 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
         return iter(self._items)
 
     def __len__(self) -> int:
-        """Count the names."""
+        """Return the number of names."""
         return len(self._items)
 
     def __hash__(self) -> int:
-        """Hash the names and values."""
+        """Hash of the set of names with their values."""
         return hash(frozenset(self._items.items()))
 
     def __repr__(self) -> str:
-        """Show the names and values."""
+        """Show the class, the names and the values."""
         return f"{type(self).__name__}({self._items})"
 
 
 class Factors(FrozenMapping[float]):
-    """Factor of each load case: an immutable mapping."""
+    """Immutable mapping from load cases to their factors in one combination."""
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A table of combinations: a row per combination, a column per load case; ``source`` is its CSV file, if any."""
+    """A table of combinations: a row per combination, a column per load case.
+
+    ``source`` is the CSV file of the table, or empty.
+    """
 
     columns: tuple[str, ...]
     names: tuple[str, ...]
@@ -76,24 +79,25 @@ class Listing:
     group: str = ""
 
     def __len__(self) -> int:
-        """Count the combinations."""
+        """Return the number of combinations."""
         return len(self.names)
 
     def __getitem__(self, index: int) -> tuple[str, Factors]:
-        """Return the name and the factors of one combination."""
+        """Return the name and the nonzero factors of the combination in row ``index``."""
         row = zip(self.columns, self.rows[index], strict=True)
         return self.names[index], Factors({case: factor for case, factor in row if factor})
 
     @property
     def cases(self) -> set[str]:
-        """Load cases of the columns."""
+        """Names of the load cases in the columns."""
         return set(self.columns)
 
 
 def read_factor_table(value: object) -> Listing | None:
-    """Read a CSV file of combinations: header "name" and the load cases; a row has the name and the factors.
+    """Read a CSV file of combinations.
 
-    An empty cell is the factor 0. An invalid file raises a ValueError with the line number.
+    The header is "name" and the load cases; each row has the name and the factors of a combination. An empty cell is
+    the factor 0. An invalid file raises a ValueError with the line number.
     """
     if value is None or isinstance(value, Listing):
         return value
@@ -142,7 +146,7 @@ def _row_factors(cells: list[str], columns: tuple[str, ...], path: Path, number:
 
 
 def _values(value: object) -> object:
-    """Validate factors: a single number becomes a list of one; empty lists, zeros and duplicates are refused."""
+    """Convert a factor or a list of factors to a list; empty lists, zeros and duplicates are refused."""
     value = as_list(value)
     listed = value if isinstance(value, list | tuple) else [value]
     if not listed:
@@ -183,7 +187,7 @@ Rows = Annotated[Mapping[Text, Row], Field(min_length=1), AfterValidator(FrozenM
 
 
 class Combination(Named):
-    """A combination of load cases with factors; with ``generate``, many combinations."""
+    """A combination of load cases with factors; with ``generate``, a table that describes many combinations."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -302,7 +306,7 @@ class Combination(Named):
 
     @property
     def acting(self) -> frozenset[str]:
-        """Names of the cases with a nonzero factor."""
+        """Names of the load cases with a nonzero factor."""
         return frozenset(case for case, factor in (self.factors or {}).items() if factor)
 
     @property
@@ -310,12 +314,12 @@ class Combination(Named):
         """The table of a combination with ``generate = "table"``."""
         if self.file is not None:
             return self.file
-        assert self.columns is not None and self.rows is not None  # required without a file
+        assert self.columns is not None and self.rows is not None  # Both are required without a file.
         return Listing(self.columns, tuple(self.rows), tuple(self.rows.values()))
 
     @property
     def cases(self) -> dict[str, tuple[str | int, ...]]:
-        """Load cases of this table, each with the path of the key in which it first occurs."""
+        """Load cases of this table, each mapped to the path of the key in which it first occurs."""
         places: dict[str, tuple[str | int, ...]] = {}
         tables: tuple[tuple[str, Any], ...] = (
             ("factors", self.factors),
@@ -332,7 +336,7 @@ class Combination(Named):
         return places
 
     def factors_of(self, case: str) -> set[float]:
-        """All factors of a case in this table."""
+        """All factors that this table gives a load case."""
         factors = {self.factors[case]} if self.factors is not None and case in self.factors else set()
         factors.update(*((table or {}).get(case, ()) for table in (self.permanent, self.variable)))
         if self.generate == "table" and case in (columns := self.listing.columns):
@@ -341,12 +345,15 @@ class Combination(Named):
 
 
 Positions = Mapping[str, Sequence[str]]
-"""Map from the case of each moving load to the load cases of its positions."""
+"""Map from each moving load's case to the load cases of its positions."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One option in a slot of `Product`: a case, its factor, and its term in the name; empty for no case."""
+    """One option in a slot of `Product`: a load case with its factor and its term in the combination's name.
+
+    ``case`` is empty if the option is that no case acts.
+    """
 
     term: str = ""
     case: str = ""
@@ -355,7 +362,10 @@ class Choice:
 
 @dataclass(frozen=True)
 class Product:
-    """Cartesian product of slots: each combination takes one choice per slot; the last slot varies fastest."""
+    """Combinations as the Cartesian product of slots: each combination takes one choice from each slot.
+
+    The choice of the last slot varies fastest. ``fixed`` are load cases and factors of every combination.
+    """
 
     name: str
     fixed: tuple[tuple[str, float], ...]
@@ -363,11 +373,11 @@ class Product:
     group: str = ""
 
     def __len__(self) -> int:
-        """Count the combinations."""
+        """Return the number of combinations."""
         return math.prod(len(choices) for choices in self.slots)
 
     def __getitem__(self, index: int) -> tuple[str, Factors]:
-        """Return the name and the factors of one combination."""
+        """Return the name and the factors of combination number ``index``, counted from 0."""
         chosen: list[Choice] = []
         for choices in reversed(self.slots):
             index, number = divmod(index, len(choices))
@@ -378,31 +388,31 @@ class Product:
 
     @property
     def cases(self) -> set[str]:
-        """Load cases that occur in some combination."""
+        """Load cases that occur in at least one combination."""
         return {case for case, _ in self.fixed} | {c.case for choices in self.slots for c in choices if c.case}
 
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
-    """Combinations in the order of the input; generated combinations stand at the position of their table."""
+    """All combinations in the order of the input; those that a table generates stand at the table's position."""
 
     products: tuple[Product | Listing, ...]
 
     def __post_init__(self) -> None:
-        """Sum the lengths of the products."""
+        """Compute the index of each product's first combination."""
         object.__setattr__(self, "_ends", list(accumulate(len(product) for product in self.products)))
 
     def __len__(self) -> int:
-        """Count the combinations."""
+        """Return the number of combinations."""
         return int(self._ends[-1]) if self.products else 0  # type: ignore[attr-defined]
 
     @property
     def cases(self) -> set[str]:
-        """Load cases that occur in some combination."""
+        """Load cases that occur in at least one combination."""
         return self.cases_of("")
 
     def cases_of(self, group: str) -> set[str]:
-        """Load cases that occur in some combination of a group; ``group=""``: all combinations."""
+        """Load cases that occur in at least one combination of ``group``; ``group=""`` means all combinations."""
         return {case for product in self.products if group in ("", product.group) for case in product.cases}
 
     @overload
@@ -410,7 +420,7 @@ class Combinations(Sequence[Combination]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Combination]: ...
     def __getitem__(self, index: int | slice) -> Combination | Sequence[Combination]:
-        """Return one combination, or a list for a slice."""
+        """Return one combination, or a list of the combinations in a slice."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         if not -len(self) <= index < len(self):
@@ -423,7 +433,7 @@ class Combinations(Sequence[Combination]):
 
     @property
     def groups(self) -> dict[str, int]:
-        """Number of combinations of each named group, in the order of the input."""
+        """Number of combinations of each named group, with the groups in the order of the input."""
         counts: dict[str, int] = {}
         for product in self.products:
             if product.group:
@@ -431,14 +441,14 @@ class Combinations(Sequence[Combination]):
         return counts
 
     def names(self) -> Iterator[str]:
-        """Yield every name."""
+        """Yield the name of every combination."""
         for product in self.products:
             for index in range(len(product)):
                 yield product[index][0]
 
 
 def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
-    """Expand a [[combination]] table of the input."""
+    """Yield the combinations of one [[combination]] table of the input."""
     group = combination.group
     match combination.generate:
         case None:
@@ -456,12 +466,12 @@ def products(combination: Combination, positions: Positions) -> Iterator[Product
 
 
 def _factors(combination: Combination) -> Mapping[str, float]:
-    assert combination.factors is not None  # a combination without factors is refused
+    assert combination.factors is not None  # A combination without factors has been refused.
     return combination.factors
 
 
 def _over_positions(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
-    """Product over the positions of the moving cases in ``factors``."""
+    """Combinations for all positions of the moving cases in ``factors``."""
     fixed = tuple((case, factor) for case, factor in factors.items() if case not in positions)
     moving = ((case, factor) for case, factor in factors.items() if case in positions)
     slots = tuple(tuple(Choice(position, position, factor) for position in positions[case]) for case, factor in moving)
@@ -469,13 +479,13 @@ def _over_positions(name: str, factors: Mapping[str, float], positions: Position
 
 
 def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[Choice, ...]]:
-    """Slots of all patterns: permanent cases, then variable cases, which may be absent."""
+    """Yield the slots of all patterns: permanent cases, then variable cases, each with the choice that it is absent."""
 
     def choices(case: str, values: Sequence[float]) -> tuple[Choice, ...]:
         names = positions.get(case, (case,))
         return tuple(Choice(_term(factor, name), name, factor) for factor in values for name in names)
 
-    assert combination.variable is not None  # patterns without variable cases are refused
+    assert combination.variable is not None  # Patterns without variable cases have been refused.
     for case, values in (combination.permanent or {}).items():
         yield choices(case, values)
     grouped = {case: group for group in combination.exclusive for case in group}
@@ -490,6 +500,6 @@ def _term(factor: float, case: str) -> str:
 
 
 def _sum(terms: Sequence[str]) -> str:
-    """Write terms as a sum."""
+    """Write terms as a sum, such as "1.35 G - W"."""
     first, *others = terms or [""]
     return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in others)

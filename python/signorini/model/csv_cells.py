@@ -10,7 +10,7 @@ from signorini.base.regular import read_regular
 
 
 def read_cells(path: Path, largest: int) -> list[list[str]]:
-    """Read the lines of a CSV file of at most ``largest`` bytes."""
+    """Read a CSV file of at most ``largest`` bytes; return the text cells of each line."""
     try:
         text = read_regular(path, largest).decode("utf-8-sig")
         lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
@@ -26,8 +26,8 @@ def read_cells(path: Path, largest: int) -> list[list[str]]:
 
 
 def number_in(cell: str) -> float:
-    """Read a number; NaN for an empty cell."""
-    # float() accepts 1_000 and the digits of every script.
+    """Read the number in a cell; NaN if the cell has no number."""
+    # float() alone would accept 1_000 and the digits of every script.
     try:
         return float(cell) if cell.isascii() and "_" not in cell else float("nan")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Values that vary over the plate: from a CSV file, from points, or from a Python function."""
+"""Values that vary over the plate, from a CSV file, a list of points, or a Python function."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 20_000_000
-"""Largest size in bytes of a CSV file of points: about a million points."""
+"""Largest size in bytes of a CSV file of points; it suffices for about a million points."""
 
 
 def _read_points(value: object) -> Field:
-    """Read a CSV file of x, y and a value, with or without a header."""
+    """Read a CSV file with the columns x, y and value, with or without a header."""
     if not isinstance(value, str | Path) or not str(value):
         raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
     rows = []
@@ -51,7 +51,7 @@ _points = pydantic.TypeAdapter(tuple[_Point, ...])
 
 
 def _read_listed(value: object) -> Field:
-    """Read points [x, y, value]."""
+    """Read a list of points [x, y, value]."""
     try:
         return Field(_points.validate_python(as_list(value)))
     except InputError as error:
@@ -72,7 +72,7 @@ _POINTS: dict[str, Any] = {
 
 
 class FieldTable(base.Table):
-    """Points x, y and a value, from a file or listed; the field is linear between them."""
+    """Values at points (x, y), from a file or listed; the field is linear between the points."""
 
     file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] | None = pydantic.Field(
         default=None, description="A CSV file with the columns x, y and value; relative to the input file."
@@ -103,7 +103,7 @@ def _read(value: object) -> Expression | Field:
                 )
             table = FieldTable.model_validate(value)
             field = table.file or table.points
-            assert field is not None  # exactly one of the two keys is there
+            assert field is not None  # Exactly one of file and points is present.
             return replace(field, outside=table.outside)
         case list() | tuple():
             return _read_listed(value)
@@ -124,13 +124,13 @@ FieldScalar = Annotated[
     PlainSerializer(lambda scalar: scalar.source),
     WithJsonSchema({"anyOf": _FIELD_SCHEMAS}),
 ]
-"""A positive number, an expression, or a field: a table with a file or points, or a function."""
+"""A positive number, an expression, or a field: a table with a file or points, or a Python function."""
 
 
 def _or_point_values(
     read: Callable[[object], Any], limits: dict[str, float], schemas: list[dict[str, Any]] | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key whose value is validated by ``read``, or is a list with one number per point."""
+    """Annotations of a key whose value is either validated by ``read``, or a list with one number per point."""
 
     def read_each(value: object) -> Any:
         value = as_list(value)
@@ -158,4 +158,4 @@ NonNegativePointScalar = Annotated[
     Expression | PointValues, *_or_point_values(base.reader(at_least=0.0), {"minimum": 0.0})
 ]
 PointFieldScalar = Annotated[Expression | Field | PointValues, *_or_point_values(_read, _ABOVE, _FIELD_SCHEMAS)]
-"""A scalar or a field, or a list with one value per point."""
+"""A positive number, an expression or a field; or a list with one positive number per point."""

@@ -50,7 +50,7 @@ def _true(value: object) -> object:
 
 
 class Axes(Table):
-    """Couples about the axes x and y; at least one is required."""
+    """Couples about the axes x and y; at least one of the two is required."""
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
@@ -63,7 +63,10 @@ class Axes(Table):
 
 
 class Load(Acting):
-    """A load of a case: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature."""
+    """A load that belongs to a load case.
+
+    Exactly one key gives its kind: pressure, force, line_load, moment, couple_about, self_weight or curvature.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -105,12 +108,12 @@ class Load(Acting):
 
     @property
     def kind(self) -> Kind:
-        """The key of the kind of load."""
+        """The key that gives the kind of load, such as "pressure"."""
         return next(kind for kind in _PLACES if getattr(self, kind) is not None)
 
     @property
     def couple(self) -> tuple[float, float] | None:
-        """Couples [mx, my] at each point, from ``moment`` or ``couple_about``; None for other loads."""
+        """Couples [mx, my] at each point, from the key ``moment`` or ``couple_about``; None for other loads."""
         if self.couple_about is None:
             return self.moment
         # Right-handed with z down: a couple about x works on ∂w/∂y, a couple about y on -∂w/∂x.
@@ -144,7 +147,10 @@ class Probe(OnPlate):
 
 
 _SHORTEST_STEP = 1e-9
-"""Smallest length of the last step, relative to ``step``: above the rounding of the line's length."""
+"""Smallest length of the last step, relative to ``step``.
+
+A shorter last step would be the rounding of the line's length.
+"""
 
 
 def _axles(value: object) -> object:
@@ -157,20 +163,21 @@ def _axles(value: object) -> object:
 Axle = Annotated[tuple[NonNegative, Number], *vector(2, "an axle [distance behind the first, force]")]
 WheelPatch = Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along the line, width across it]")]
 Wheel = tuple[tuple[float, float], tuple[float, float], float]
-"""Contact point of a wheel (x, y), its unit direction of travel, and its force."""
+"""A wheel: contact point (x, y), unit direction of travel, and force."""
 
 
 class Moving(OnPlate):
     """A load that moves along a line: axles with one or two wheels. A wheel is a force at a point or on a patch."""
 
-    case: Text = Field(min_length=1, description="Name of the load case; its positions are cases of their own.")
+    case: Text = Field(min_length=1, description="Name of the load case; each position of the load is a load case too.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
     step: Positive = Field(description="Distance between positions; the last position is the end of the line.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
         description="[distance behind the first axle, force] of each axle, such as [[0, 60], [1.2, 60]]."
     )
     gauge: NonNegative = Field(
-        default=0.0, description="Distance between the two wheels of an axle, each with half its force; 0: one wheel."
+        default=0.0,
+        description="Distance of the two wheels of an axle, each with half the axle's force; 0: one wheel.",
     )
     patch: WheelPatch | None = Field(
         default=None, description="Footprint of each wheel, [length along the line, width across it]; default a point."
@@ -185,22 +192,22 @@ class Moving(OnPlate):
 
     @property
     def length(self) -> float:
-        """Length of the line."""
+        """Length of the line along which the load moves."""
         return sum(math.dist(a, b) for a, b in pairwise(self.line))
 
     @property
     def count(self) -> int:
-        """Number of positions."""
+        """Number of positions of the load."""
         return math.ceil(self.length / self.step - _SHORTEST_STEP) + 1
 
     @property
     def positions(self) -> dict[str, float]:
-        """Distance s of the first axle along the line, by the name of the position's load case."""
+        """Distance s of the first axle from the start of the line, for the load case of each position."""
         travelled = [min(i * self.step, self.length) for i in range(self.count)]
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 
     def wheels(self, travelled: float) -> list[Wheel]:
-        """All wheels with the first axle at s = ``travelled``; before its start the line is continued straight."""
+        """All wheels when the first axle is at s = ``travelled``; the line is continued straight before its start."""
         wheels: list[Wheel] = []
         for behind, force in self.axles:
             (x, y), (tx, ty) = self._point_at(travelled - behind)
@@ -211,7 +218,7 @@ class Moving(OnPlate):
         return wheels
 
     def _point_at(self, travelled: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Point of the line at distance s, and the unit tangent there."""
+        """Point of the line at distance s = ``travelled`` from its start, and the unit tangent there."""
         left = travelled
         for a, b in pairwise(self.line):
             length = math.dist(a, b)

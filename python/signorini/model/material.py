@@ -26,11 +26,11 @@ from signorini.shapes import Region
 _ISOTROPIC = ("E", "nu")
 _ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
 _REQUIRED = ("Ex", "Ey", "nu_xy", "Gxy")
-"""Moduli without which a material is not orthotropic; the others have defaults."""
+"""Moduli that an orthotropic material must have; the other moduli have defaults."""
 
 
 class Axes(NamedTuple):
-    """Moduli of an orthotropic material along its axes 1, 2; ``angle`` is from x to axis 1, in degrees."""
+    """Moduli of an orthotropic material along its axes 1 and 2; ``angle`` is the angle from x to axis 1 in degrees."""
 
     Ex: float
     Ey: float
@@ -81,12 +81,12 @@ class Material(Table):
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the material has moduli."""
+        """Whether the material has elastic moduli."""
         return bool(self.present((*_ISOTROPIC, *_ORTHOTROPIC)))
 
     @property
     def young(self) -> float:
-        """Young's modulus E; for an orthotropic material max(Ex, Ey)."""
+        """Young's modulus E of the material; for an orthotropic material max(Ex, Ey)."""
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
 
     @property
@@ -96,12 +96,12 @@ class Material(Table):
 
     @property
     def axes(self) -> Axes:
-        """The moduli of an orthotropic material."""
+        """Moduli of an orthotropic material, with defaults, and the angle of its axes."""
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _REQUIRED)
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
     def missing(self) -> Iterator[Complaint]:
-        """Yield the moduli that are missing from an isotropic material."""
+        """Yield a problem for each modulus that is missing from an isotropic material."""
         for key in _ISOTROPIC:
             if getattr(self, key) is None:
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
@@ -132,7 +132,7 @@ class Material(Table):
 
 
 class Modifiers(Table):
-    """Stiffness factors along the material's axes, or x and y: cracked, ribbed or hollow sections."""
+    """Factors of stiffnesses along the material's axes, or x and y, for cracked, ribbed or hollow sections."""
 
     bending: Positive = Field(default=1.0, description="Factor of the bending stiffnesses.")
     twist: Positive = Field(default=1.0, description="Factor of the twisting stiffness.")
@@ -140,11 +140,11 @@ class Modifiers(Table):
 
 
 class Stiffness(Table):
-    """Stiffness of a cross section, such as a ribbed or hollow one, along its axes 1, 2."""
+    """Stiffness of a cross section along its axes 1 and 2, for sections that are not solid, such as ribbed ones."""
 
     Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
     Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
-    D1: Number = Field(description="Bending moment along either axis per curvature along the other one.")
+    D1: Number = Field(description="Bending moment along either axis per curvature along the other axis.")
     Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 for a solid plate.")
     Sx: Positive = Field(description="Shear force per shear strain along the first axis, force per length.")
     Sy: Positive = Field(description="Shear force per shear strain along the second axis.")
@@ -152,7 +152,7 @@ class Stiffness(Table):
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio, the geometric mean D1/√(Dx Dy) of both axes."""
+        """Poisson's ratio D1/√(Dx Dy), the geometric mean of the ratios of both axes."""
         return self.D1 / math.sqrt(self.Dx * self.Dy)
 
     @property
@@ -178,7 +178,7 @@ class Stiffness(Table):
 
 
 def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
-    """Refuse an expression for the thickness where a stiffness describes one section."""
+    """Yield a problem if the thickness is an expression although a stiffness describes one section."""
     if not thickness.is_constant:
         yield (
             ("thickness",),
@@ -190,7 +190,7 @@ ZONE_KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(OnPlate):
-    """A part of the plate with other thickness, material or modifiers; in an overlap the later zone counts.
+    """A part of the plate with another thickness, material or modifiers; where zones overlap, the later zone counts.
 
     A rigid zone moves as one body, also where other zones overlap it.
     """
@@ -220,13 +220,13 @@ class Zone(OnPlate):
 
     @property
     def region(self) -> Region:
-        """The region of the plane."""
-        assert isinstance(self.area, Area)  # "all" is refused
+        """The zone's area as a region of the plane."""
+        assert isinstance(self.area, Area)  # A zone on "all" has been refused.
         return self.area.region
 
     @property
     def where(self) -> Where:
-        """The zone's area as a `Where`."""
+        """The zone's area as a place on the plate."""
         return Where("area", region=self.region)
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -244,5 +244,5 @@ class Zone(OnPlate):
 
     @property
     def is_solid(self) -> bool:
-        """Whether the section follows from material and thickness."""
+        """Whether the zone's stiffness follows from material and thickness, not from the key ``stiffness``."""
         return self.stiffness is None and bool(self.present(("thickness", "material")))

@@ -31,7 +31,10 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
 MAX_FULL_RESULTS = 12
-"""Largest number of combinations with a full result each, if ``combinations = "auto"``; more make a table."""
+"""Largest number of combinations that all have a full result, if ``combinations = "auto"``.
+
+A larger number of combinations makes a table.
+"""
 
 _FIELDS_OPTIONS = ("governing", "all", "none")
 
@@ -64,9 +67,9 @@ class Output(Table):
 
     combinations: Literal["auto", "each", "table"] = Field(
         default="auto",
-        description=f"each: all results of every combination; table: a row of combinations.parquet for each, an "
-        f"envelope over all, and all results of those in fields; auto: each up to {MAX_FULL_RESULTS} combinations, "
-        "then table.",
+        description=f"each: all results of every combination; table: a row of combinations.parquet per combination, an "
+        f"envelope over all of them, and all results of the combinations in fields; auto: each up to "
+        f"{MAX_FULL_RESULTS} combinations, then table.",
     )
     fields: Annotated[
         Literal["governing", "all", "none"] | tuple[Text, ...],
@@ -91,21 +94,26 @@ class Output(Table):
 
 
 _STRIP_STATIONS = 21
-"""Default number of stations of a strip: 20 steps include supports, middles and quarter points of 1 to 5 equal
-spans."""
+"""Default number of stations of a strip.
+
+20 steps place stations at supports, middles and quarter points of 1 to 5 equal spans.
+"""
 _SAME_END = 1e-5
-"""Largest distance of equal ends of a line, relative to its extent: input coordinates have more digits."""
+"""Largest distance between the ends of a closed line, relative to the line's extent.
+
+Input coordinates have more digits than this.
+"""
 
 
 def _closed(line: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Set the last point of a line to the first if they are equal up to rounding."""
+    """Set the last point of a line to the first point if they are equal within `_SAME_END`."""
     extent = float(np.ptp(np.array(line), axis=0).max())
     closes = len(line) > 2 and math.dist(line[0], line[-1]) <= _SAME_END * extent
     return (*line[:-1], line[0]) if closes else line
 
 
 def _equal_steps(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
-    """Arc lengths of the line's corners, arc lengths (k,) of equally spaced stations, and their points (k, 2)."""
+    """Arc lengths of the line's corners; arc lengths (k,) and positions (k, 2) of equally spaced stations."""
     corners = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
     s = np.linspace(0.0, corners[-1], stations)
     return corners, s, np.column_stack([np.interp(s, corners, axis) for axis in np.array(line).T])
@@ -116,7 +124,7 @@ def _segments(line: tuple[Point, ...]) -> Floats:
 
 
 class Section(OnPlate, Named):
-    """A line that cuts the plate; its results are the force and the moments that one side exerts on the other."""
+    """A line that cuts the plate; its results are the force and the moments that one part exerts on the other part."""
 
     line: Annotated[Polyline, AfterValidator(_closed)] = Field(
         description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
@@ -149,7 +157,7 @@ class Strip(OnPlate, Named):
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Points (n, 2) of the stations and the unit tangents (n, 2) there; at a corner the tangent bisects."""
+        """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects the two sides."""
         segments = np.diff(np.array(self.line), axis=0)
         corners, s, points = _equal_steps(self.line, self.stations)
         rounding = 1e-9 * corners[-1]
@@ -162,18 +170,21 @@ class Strip(OnPlate, Named):
 
     @property
     def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        """Ends of the cross line at each station; the center line crosses it from its left to its right."""
+        """Ends of the cross line at each station; the center line passes from the left to the right of this line."""
         points, tangents = self.places
         half = 0.5 * self.width * np.column_stack([tangents[:, 1], -tangents[:, 0]])
         return [(tuple(a), tuple(b)) for a, b in zip((points + half).tolist(), (points - half).tolist(), strict=True)]
 
 
 _PROFILE_STATIONS = 101
-"""Default number of stations of a profile: 100 steps include halves, quarters, fifths and tenths, and plot smoothly."""
+"""Default number of stations of a profile.
+
+100 steps place stations at halves, quarters, fifths and tenths, and plot smoothly.
+"""
 
 
 class Profile(OnPlate, Named):
-    """A line or a circle with equally spaced stations."""
+    """A line or a circle with equally spaced stations, at which fields are reported."""
 
     line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")
     circle: Circle | None = Field(
@@ -189,9 +200,9 @@ class Profile(OnPlate, Named):
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Arc lengths s (k,) of the stations and their points (k, 2)."""
+        """Arc lengths s (k,) of the stations, and their positions (k, 2)."""
         curve = curve_of(self.line, self.circle)
-        assert curve is not None  # exactly one of line and circle is there
+        assert curve is not None  # Exactly one of line and circle is present.
         if isinstance(curve, Ring):
             s = np.linspace(0.0, curve.length, self.stations)
             angle = s / curve.radius

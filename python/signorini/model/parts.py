@@ -1,4 +1,4 @@
-"""Several plates: a model for each plate with its tables, and the areas shared by two plates."""
+"""Models of several plates: a model for each plate with its tables, and the areas shared by two plates."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile", "punching")
-"""Tables that belong to one plate."""
+"""Keys of the tables that belong to one plate."""
 _SAME_AREA = 1e-9
-"""Relative tolerance for equal areas: rounding of the corners."""
+"""Relative tolerance for equal areas: corners are rounded."""
 _REVERSED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 
 class Whole(Protocol):
-    """The members of `Model` that this module uses."""
+    """The members of `Model` that this module uses; see `Model` for their meaning."""
 
     @property
     def title(self) -> str:
@@ -35,7 +35,7 @@ class Whole(Protocol):
 
     @property
     def plate(self) -> Plate:
-        """The plate of a model of one plate."""
+        """The plate of a model of one plate; None for several plates."""
 
     @property
     def plates(self) -> Mapping[str, Plate]:
@@ -43,15 +43,15 @@ class Whole(Protocol):
 
     @property
     def mesh(self) -> MeshOptions:
-        """Mesh options of plates that have none."""
+        """Mesh options of plates without mesh options of their own."""
 
     @property
     def material(self) -> Material:
-        """Material of plates that have none."""
+        """Material of plates without a material of their own."""
 
     @property
     def support(self) -> tuple[Support, ...]:
-        """Supports, followed by contacts."""
+        """All supports; the contacts are last."""
 
     @property
     def contact(self) -> tuple[Support, ...]:
@@ -59,10 +59,10 @@ class Whole(Protocol):
 
     @property
     def effective_combinations(self) -> object:
-        """All combinations."""
+        """All combinations of the model."""
 
     def varied(self, **tables: object) -> Self:
-        """Return a copy with other tables."""
+        """Return a copy in which ``tables`` replace tables of the same key."""
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""
@@ -73,9 +73,9 @@ M = TypeVar("M", bound=Whole)
 
 @dataclass(frozen=True)
 class Part(Generic[M]):
-    """One of several plates: a model with the plate's supports and the supports between it and other plates.
+    """One of several plates, as a model with the plate's supports and the supports between it and other plates.
 
-    ``numbers`` holds, by key, the positions of the plate's tables in the whole model.
+    ``numbers`` maps each key, such as "load", to the indices of the plate's tables in the whole model.
     """
 
     name: str
@@ -84,7 +84,7 @@ class Part(Generic[M]):
 
     @cached_property
     def model(self) -> M:
-        """The model of this plate alone."""
+        """The plate as a model of one plate."""
         whole, plate = self.whole, self.whole.plates[self.name]
         tables: dict[str, object] = {
             key: tuple(getattr(whole, key)[i] for i in numbers) for key, numbers in self.numbers.items()
@@ -98,11 +98,11 @@ class Part(Generic[M]):
 
     @property
     def _replaced(self) -> tuple[str, ...]:
-        """Tables of the whole model that the plate replaces."""
+        """Keys of the tables of the whole model that tables of the plate replace."""
         return tuple(key for key in ("mesh", "material") if getattr(self.whole.plates[self.name], key) is not None)
 
     def place(self, place: Place) -> Place:
-        """Convert a place in this plate's model to the place in the whole model."""
+        """Convert the place of a problem in this plate's model to the place in the whole model."""
         key, *rest = place or ("",)
         if key == "plate" or key in self._replaced:
             return ("plates", self.name, *(rest if key == "plate" else place))
@@ -113,7 +113,7 @@ class Part(Generic[M]):
 
 
 def parts_of(model: M) -> tuple[Part[M], ...]:
-    """Return the parts of a model of several plates; empty for a model of one plate."""
+    """Return each plate of a model of several plates as a `Part`; empty for a model of one plate."""
     plates = {key: [_plates_of(table) for table in getattr(model, key)] for key in ON_PLATES}
     return tuple(
         Part(name, model, {key: tuple(i for i, on in enumerate(of) if name in on) for key, of in plates.items()})
@@ -122,14 +122,14 @@ def parts_of(model: M) -> tuple[Part[M], ...]:
 
 
 def _plates_of(table: OnPlate) -> tuple[str, ...]:
-    """Names of the plates that a table refers to."""
+    """Names of the plates to which a table belongs; two for a support between plates."""
     if isinstance(table, Support) and table.between is not None:
         return table.between
     return () if table.plate is None else (table.plate,)
 
 
 def _on_plate(model: Whole, support: Support, name: str) -> Support:
-    """The support in the model of plate ``name``; between two plates its direction on the lower one is reversed."""
+    """The support as it acts on plate ``name``; for the lower of two plates the direction is reversed."""
     if support.between is None:
         return support
     upper, lower = support.between
@@ -139,7 +139,7 @@ def _on_plate(model: Whole, support: Support, name: str) -> Support:
 
 
 def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
-    """The area that plate ``name`` shares with another plate; "all" if it is the whole plate."""
+    """The area that plates ``name`` and ``other`` have in common; "all" if it is the whole plate ``name``."""
     plate, other_plate = model.plates[name], model.plates[other]
     if isinstance(plate, MeshPlate) or isinstance(other_plate, MeshPlate):
         raise InputError(
@@ -170,14 +170,14 @@ def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
 
 
 def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
-    """The corners and arcs of an outline, as in the key ``polygon``."""
+    """The corners and arcs of an outline, in the form of the key ``polygon``."""
     ends = [after if through is None else Arc(through=through, to=after) for _, through, after in contour.sides]
-    # A straight last side back to the first corner is implicit.
+    # The key ``polygon`` does not list a straight last side back to the first corner.
     return (contour.corners[0], *(ends if isinstance(ends[-1], Arc) else ends[:-1]))
 
 
 def plate_complaints(model: Whole) -> Iterator[Complaint]:
-    """Yield the problems of [plates], of references to plates, and of each plate."""
+    """Yield the problems of [plates], of the names of plates in other tables, and of each plate."""
     several = bool(model.plates)
     if several and model.plate is not None:
         yield ("plates",), "found both [plate] and [plates]; give one."
@@ -222,7 +222,7 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
 
 
 def _reference_complaints(model: Whole) -> Iterator[Complaint]:
-    """Yield the tables with a missing, an unknown or a superfluous plate."""
+    """Yield a problem for each table whose key ``plate`` is missing, unknown or superfluous."""
     first = len(model.support) - len(model.contact)
     for key in ON_PLATES:
         for index, table in enumerate(getattr(model, key)):
@@ -238,7 +238,7 @@ def _reference_complaints(model: Whole) -> Iterator[Complaint]:
 
 
 def _cycle_complaints(model: Whole) -> Iterator[Complaint]:
-    """Yield a cycle of the relation "upper lies on lower"."""
+    """Yield a problem if plates lie on each other in a cycle."""
     first, below = len(model.support) - len(model.contact), dict[str, set[str]]()
     for index, (upper, lower) in ((i, each.between) for i, each in enumerate(model.support) if each.between):
         if upper in below.get(lower, ()):
@@ -254,5 +254,5 @@ def _cycle_complaints(model: Whole) -> Iterator[Complaint]:
 
 
 def _place_of(index: int, first: int) -> Place:
-    """Place of a support in the input; supports from ``first`` on are contacts."""
+    """Place in the input of the support with index ``index``; from index ``first`` on, supports are contacts."""
     return ("support", index) if index < first else ("contact", index - first)

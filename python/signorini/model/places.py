@@ -18,16 +18,19 @@ from signorini.shapes import Region, Whole
 from signorini.shapes.outlines import Contour, circle, straight
 
 MAX_CORNERS = 2000
-"""Largest number of corners of an outline, and of holes of a plate; the check for crossing sides is quadratic in it."""
+"""Largest number of corners of an outline, and of holes of a plate.
+
+The time for finding crossing sides grows with its square.
+"""
 _SAME_POINT = 1e-9
-"""Largest distance of equal points, relative to the outline's size: coordinates of arcs are rounded."""
+"""Largest distance between equal points, relative to the outline's size: coordinates on arcs are rounded."""
 
 
 class Arc(base.Table):
-    """An arc from the previous corner through a point to the corner ``to``."""
+    """An arc of an outline, from the previous corner through the point ``through`` to the corner ``to``."""
 
-    through: base.Point = Field(description="A point of the arc [x, y], near its middle.")
-    to: base.Point = Field(description="The corner [x, y] where it ends.")
+    through: base.Point = Field(description="A point [x, y] of the arc, near the middle of the arc.")
+    to: base.Point = Field(description="The corner [x, y] where the arc ends.")
 
 
 def _form(value: object) -> str | None:
@@ -67,9 +70,10 @@ Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Fi
 
 
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
-    """Return the closed outline with these corners and arcs.
+    """Return the closed outline with the corners and arcs ``corners``.
 
-    A last arc that ends at the first corner, within ``_SAME_POINT``, closes the outline; else a straight side does.
+    If a last arc ends at the first corner, within ``_SAME_POINT``, the arc closes the outline; otherwise a straight
+    side does.
     """
     points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
     through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
@@ -89,7 +93,7 @@ _FORMS = ("rectangle", "circle", "polygon")
 
 
 class Circle(base.Table):
-    """A circle: a curve for supports and line loads, a disc for areas."""
+    """A circle: a curve for supports and line loads, a disc where an area is required."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     radius: base.Positive = Field(description="Radius.")
@@ -99,7 +103,7 @@ Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base
 
 
 def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
-    """Yield the error of building a region, with the key of its input."""
+    """Yield the error that ``build`` raises, with the key that describes the region."""
     try:
         build()
     except InputError as error:
@@ -107,7 +111,7 @@ def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Compla
 
 
 class Outline(base.Table):
-    """A closed curve: exactly one of rectangle, circle, polygon."""
+    """A closed curve, given by exactly one of the keys rectangle, circle, polygon."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
     forms: ClassVar[tuple[str, ...]] = _FORMS
@@ -128,7 +132,7 @@ class Outline(base.Table):
 
 
 class Form(Outline):
-    """A region of the plane without holes."""
+    """A region of the plane without holes, given by exactly one of rectangle, circle, polygon."""
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from super()._complaints()
@@ -137,12 +141,12 @@ class Form(Outline):
 
     @cached_property
     def whole(self) -> Whole:
-        """The region without holes."""
+        """The region that this table describes, which has no holes."""
         if self.rectangle is not None:
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:
             return shapes.Circle(self.circle.center, self.circle.radius)
-        assert self.polygon is not None  # it has exactly one of the three
+        assert self.polygon is not None  # Exactly one of the three keys is present.
         drawn = contour(self.polygon, "", numbered=False)
         if not any(drawn.through):
             return shapes.Polygon(drawn.corners)
@@ -169,7 +173,7 @@ class Annulus(base.Table):
 
 
 class Area(Form):
-    """An area of the plate: exactly one of rectangle, circle, polygon, annulus, with optional holes."""
+    """An area of the plate, given by exactly one of rectangle, circle, polygon, annulus, with optional holes."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in (*_FORMS, "annulus")]})
     forms: ClassVar[tuple[str, ...]] = (*_FORMS, "annulus")
@@ -189,7 +193,7 @@ class Area(Form):
 
     @cached_property
     def region(self) -> Region:
-        """The region, with its holes."""
+        """The area as a region, with its holes."""
         holes = tuple(hole.whole for hole in self.holes)
         if self.annulus is not None:
             center, inner, outer = self.annulus.center, self.annulus.inner, self.annulus.outer
@@ -215,17 +219,17 @@ BRANCHES["area"] = {"all": Area, "table": Area}
 
 
 class Hole(Outline):
-    """A hole: exactly one of rectangle, circle, polygon."""
+    """A hole of the plate, given by exactly one of rectangle, circle, polygon."""
 
     def contour(self, name: str) -> Contour:
-        """Return the outline; its sides are named as those of a plate ("hole 1 left", "hole 1 edge 2")."""
+        """Return the outline of the hole; its sides are named as the plate's sides ("hole 1 left", "hole 1 edge 2")."""
         if self.rectangle is not None:
             x0, y0, x1, y1 = self.rectangle
             sides = [f"{name} {side}" for side in ("bottom", "right", "top", "left")]
             return replace(straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), sides), whole=name)
         if self.circle is not None:
             return circle(self.circle.center, self.circle.radius, name)
-        assert self.polygon is not None  # it has exactly one of the three
+        assert self.polygon is not None  # Exactly one of the three keys is present.
         return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
 
 

@@ -1,4 +1,4 @@
-"""The plate: outline, thickness, element, mesh options."""
+"""The plate: outline, thickness, finite element and mesh options."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Divisions = Annotated[
 
 
 class Refinement(Located):
-    """Smaller elements at a place; the element size grows gradually away from the place."""
+    """Smaller elements at a place; the element size increases gradually with the distance from the place."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
@@ -39,7 +39,7 @@ class Refinement(Located):
             yield ("area",), 'found "all"; give size in [mesh] for the whole plate.'
 
     def boxes(self, plate: Box) -> list[Box]:
-        """Bounding boxes [x0, y0, x1, y1] of the places, for a rectangular plate with the box ``plate``."""
+        """Bounding boxes [x0, y0, x1, y1] of the places of refinement on a rectangular plate with the box ``plate``."""
         x0, y0, x1, y1 = plate
         sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
         sides["top"] = (x0, y1, x1, y1)
@@ -62,11 +62,12 @@ class MeshOptions(base.Table):
     snap: base.NonNegative = Field(
         default=0.0,
         description="Snapping distance: supports, zones and loads closer than this to an edge or to each other are "
-        "moved onto it. Default 0: no snapping.",
+        "moved onto that edge or item. Default 0: no snapping.",
     )
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(base.number)] | None = Field(
         default=None,
-        description="Refine until every half-width, relative to the largest value of its field, is at most this.",
+        description="Largest allowed half-width (±) of any number, relative to the largest value of its field; the "
+        "mesh is refined until this is reached.",
     )
     error: StrictBool | None = Field(
         default=None,
@@ -85,9 +86,12 @@ _DEFAULT_DIVISIONS = 20
 """Number of elements along the longer side of a plate whose mesh options give no size."""
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
 MAX_ASPECT_RATIO = 1000.0
-"""Largest length over width of a plate: bending flexibilities differ by the fourth power of the ratio, 1e12."""
+"""Largest ratio of length to width of a plate.
+
+Bending flexibilities along and across differ by the fourth power of this ratio, 1e12.
+"""
 _MAX_OFFSET = 1e6
-"""Largest distance of a plate from the origin, relative to its size: coordinates keep ten digits."""
+"""Largest distance of a plate from the origin, relative to the plate's size; coordinates then keep ten digits."""
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
@@ -105,33 +109,33 @@ class _Plate(base.Table):
     shear_factor: base.Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
     modifiers: Modifiers = Field(default=Modifiers(), description="Stiffness factors in bending, twist and shear.")
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the section; it replaces that of material and thickness."
+        default=None, description="Stiffness of the section, in place of the stiffness from material and thickness."
     )
     mesh: MeshOptions | None = Field(
-        default=None, description="For one of several plates: its mesh options; they replace [mesh]."
+        default=None, description="For one of several plates: mesh options of this plate, in place of [mesh]."
     )
     material: Material | None = Field(
-        default=None, description="For one of several plates: its material; it replaces [material]."
+        default=None, description="For one of several plates: material of this plate, in place of [material]."
     )
 
     def model_post_init(self, context: Any) -> None:
-        """Mark ``shape`` as set, so that a dump contains it: it selects the class of the plate."""
+        """Mark ``shape`` as set, so that a dump contains this key, which selects the class of the plate."""
         self.__pydantic_fields_set__.add("shape")
 
 
 class OutlinedPlate(_Plate):
-    """A plate with an outline, to be meshed."""
+    """A plate given by its outline, for which a mesh is generated."""
 
     holes: Holes = Field(default=(), description="Holes, each a table with one of rectangle, circle, polygon.")
 
     @property
     @abstractmethod
     def outline(self) -> Contour:
-        """The outer boundary."""
+        """The outer boundary of the plate."""
 
     @property
     def hole_contours(self) -> tuple[Contour, ...]:
-        """The boundaries of the holes."""
+        """The boundaries of the plate's holes."""
         return tuple(hole.contour(f"hole {number}") for number, hole in enumerate(self.holes, 1))
 
     @property
@@ -141,11 +145,11 @@ class OutlinedPlate(_Plate):
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges; edges of holes are last."""
+        """Names of the outer edges, followed by the names of the holes' edges."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:
-        """Element size of the mesh options, default the longer side over 20."""
+        """Element size that the mesh options prescribe; by default the longer side over 20."""
         return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_DIVISIONS
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
@@ -154,15 +158,15 @@ class OutlinedPlate(_Plate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest numbers of elements along the two directions."""
+        """Smallest allowed numbers of elements along the two directions of a regular mesh."""
         return 1, 1
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether the regular mesh can follow the border of a zone, or the curve of a support or load."""
+        """Whether sides of the regular mesh can follow the border of a zone, or the curve of a support or load."""
         return True
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for element sizes times ``factor``; ``divisions`` are those of a regular mesh."""
+        """Mesh options for element sizes times ``factor``; ``divisions`` are those of the present regular mesh."""
         refine = tuple(place.model_copy(update={"size": place.size * factor}) for place in mesh.refine)
         return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
@@ -172,10 +176,10 @@ class OutlinedPlate(_Plate):
 
 
 class _PatternedPlate(OutlinedPlate):
-    """A plate that has a regular mesh if it has no holes."""
+    """A plate that has a regular mesh if it has no holes: a rectangle, disc or annulus."""
 
     refines_regularly: ClassVar[bool] = False
-    """Whether the regular mesh can be refined at places."""
+    """Whether the regular mesh of this class can be refined at places."""
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
         """Numbers of elements of a regular mesh (see `MeshOptions.divisions`); None for an unstructured mesh."""
@@ -187,7 +191,7 @@ class _PatternedPlate(OutlinedPlate):
         return self._at_least_minimum(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for element sizes times ``factor``; ``divisions`` are those of a regular mesh."""
+        """Mesh options for element sizes times ``factor``; ``divisions`` are those of the present regular mesh."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
@@ -200,11 +204,11 @@ class _PatternedPlate(OutlinedPlate):
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
-        """Lengths of the two directions of ``MeshOptions.divisions``."""
+        """Lengths of the plate along the two directions of ``MeshOptions.divisions``."""
 
 
 class RectanglePlate(_PatternedPlate):
-    """A rectangle with sides parallel to the axes."""
+    """A rectangular plate with sides parallel to the axes."""
 
     refines_regularly: ClassVar[bool] = True
 
@@ -216,13 +220,13 @@ class RectanglePlate(_PatternedPlate):
 
     @property
     def outline(self) -> Contour:
-        """The four sides."""
+        """The four sides of the rectangle."""
         (x, y), (a, b) = self.origin, self.size
         corners = ((x, y), (x + a, y), (x + a, y + b), (x, y + b))
         return straight(corners, ("bottom", "right", "top", "left"))
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether the border or curve consists of segments along the axes, which the regular mesh can follow."""
+        """Whether ``border`` consists of segments parallel to the axes, which a regular mesh can follow."""
         ends = border.outline.segments
         return not len(border.outline.whole_circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
 
@@ -242,7 +246,7 @@ class _RoundPlate(_PatternedPlate):
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether the regular mesh can follow ``border``: a circle around the center, but no border of a zone."""
+        """Whether a regular mesh can follow ``border``: only a circle around the center, and no border of a zone."""
         return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
@@ -253,7 +257,7 @@ def _quarters(sector: float) -> float:
 
 
 class DiscPlate(_RoundPlate):
-    """A full, half or quarter disc; a sector runs from the x axis towards y."""
+    """A full, half or quarter disc; the angle of a sector runs from the x axis towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
     radius: base.Positive = Field(description="Radius of the disc.")
@@ -265,7 +269,7 @@ class DiscPlate(_RoundPlate):
 
     @property
     def outline(self) -> Contour:
-        """The rim; for a sector, the rim and the straight sides."""
+        """The circle of a full disc; for a sector, its arc and its straight sides."""
         if self.sector == 360:
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
@@ -278,7 +282,7 @@ class DiscPlate(_RoundPlate):
 
 
 class AnnulusPlate(_RoundPlate):
-    """A ring or a sector of a ring; a sector runs from the x axis towards y."""
+    """A full ring or a sector of a ring; the angle of a sector runs from the x axis towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
     inner: base.Positive = Field(description="Inner radius.")
@@ -302,7 +306,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest numbers of elements: one radially; an element spans at most a quarter circle."""
+        """Smallest numbers of elements: one in radial direction, and one per quarter circle around."""
         return 1, math.ceil(self.sector / 90)
 
     def _lengths(self) -> tuple[float, float]:
@@ -339,7 +343,7 @@ class PolygonPlate(OutlinedPlate):
 
     @property
     def outline(self) -> Contour:
-        """The sides; edge i runs from corner i to the next corner."""
+        """The sides of the polygon; edge i runs from corner i to the next corner."""
         return contour(self.points, "edge", numbered=True)
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -362,7 +366,7 @@ def _file(value: object) -> FilePath:
 
 
 class MeshPlate(_Plate):
-    """A plate read from a mesh file of 8- or 9-node quadrilaterals and 6-node triangles."""
+    """A plate whose mesh is read from a file, with 8- or 9-node quadrilaterals and 6-node triangles."""
 
     shape: Literal["mesh"] = Field(default="mesh", description=_SHAPES)
     file: Annotated[FilePath, BeforeValidator(_file), WithJsonSchema({"type": "string"})] = Field(
@@ -371,7 +375,7 @@ class MeshPlate(_Plate):
 
     @property
     def edge_names(self) -> None:
-        """None: the edges are known when the file is read."""
+        """None: the names of the edges are known only after the file is read."""
         return None
 
 

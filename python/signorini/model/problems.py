@@ -17,7 +17,7 @@ from signorini.errors import InputError, Place
 
 
 def describe(value: object) -> str:
-    """Show a value as the input file writes it; long values are shortened."""
+    """Write a value as in an input file; long values are shortened."""
     match value:
         case bool():
             return str(value).lower()
@@ -46,19 +46,21 @@ def as_list(value: Any) -> Any:
 
 
 _MAX_EXPLAINED = 1000
-"""Largest number of pydantic's errors that are converted; the message counts the others."""
+"""Largest number of pydantic's errors that are converted; the message gives the number of the remaining errors."""
 
 LISTS = (
     *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
     "punching",
 )
-"""Tables in double brackets: [[zone]], [[support]], ..."""
+"""Keys of tables in double brackets, such as [[zone]]."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Classes of each key that is a tagged union, by the tag in pydantic's error path. The modules that define the unions
-add them."""
+"""Keys that are tagged unions, each with its classes by their tags in the path of pydantic's error.
+
+The modules that define the unions add their entries.
+"""
 TOP: dict[str, tuple[type[BaseModel], ...]] = {}
-"""Keys of the whole model, each with the classes of its table, for hints about a misplaced key."""
+"""Keys of the whole model, each with the classes of its table; used for hints about a misplaced key."""
 
 
 _LIMITS = {
@@ -76,7 +78,10 @@ def explained(
     source: str = "",
     line_of: Callable[[Place], int] | None = None,
 ) -> InputError:
-    """Convert pydantic's error about ``data`` for the table ``root``; see `validate` for ``source`` and ``line_of``."""
+    """Convert pydantic's error about ``data``, the input of the table ``root``, to an `InputError`.
+
+    `validate` describes ``source`` and ``line_of``.
+    """
     errors = error.errors(include_url=False)
     placed = []
     for path, message in _problems(errors[:_MAX_EXPLAINED], data, root):
@@ -92,7 +97,7 @@ def explained(
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:
-    """Convert errors to paths and messages; consequences of another error are left out."""
+    """Convert errors to pairs (path, message); errors that follow from another error are left out."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))
@@ -112,7 +117,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
 
 
 def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
-    """Convert pydantic's path to the path in the input; return it with the table and field of its last key."""
+    """Convert a path of pydantic to a path in the input; return it with the table and field of its last key."""
     path: list[str | int] = []
     owner: type[BaseModel] = root
     inner: type[BaseModel] | None = root
@@ -123,7 +128,7 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
         value = as_list(value)
         if isinstance(key, int):
             nested = isinstance(loc[position + 1], int) if position + 1 < len(loc) else False
-            # A single point or edge may be given without a list; its path then has no position.
+            # If a single point or edge is given without a list, its path in the input has no position.
             is_list = isinstance(value, list | tuple)
             if is_list and (not nested or any(isinstance(as_list(item), list | tuple) for item in value)):
                 path.append(key)
@@ -145,7 +150,7 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
 
 
 def tables_of(root: type[BaseModel]) -> dict[str, tuple[type[BaseModel], ...]]:
-    """Return the keys of a table, each with the tables that its value can be."""
+    """Return the keys of a table, each with the classes of tables that are allowed as its value."""
     below = {name: _table_in(field.annotation) for name, field in root.model_fields.items()}
     return {
         name: tuple(BRANCHES[name].values()) if name in BRANCHES else (table,) if table is not None else ()
@@ -160,7 +165,7 @@ def _table_in(annotation: object) -> type[BaseModel] | None:
 
 
 def _label(path: Place, data: Any) -> str:
-    """Name of the support or combination, or case of the load, that contains the path; empty for other tables."""
+    """Name of the support or combination, or load case of the load, in which the path lies; empty for other tables."""
     match path:
         case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
             tables = data.get(key)
@@ -210,7 +215,7 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
 
 
 def _header_hint(path: Place) -> str:
-    """Hint at the header of a missing table."""
+    """Hint at the header that a missing table needs, such as [plate]."""
     name = str(path[-1])
     return "" if len(path) > 1 or not TOP.get(name) else f" Write it under {_header(name)}."
 
@@ -260,7 +265,7 @@ def _unknown_shape(plate: object) -> str:
 
 
 def _nearest(text: object, allowed: Iterable[str]) -> str:
-    """Return the allowed word most similar to ``text``; empty if none is similar."""
+    """Return the allowed word most similar to ``text``; empty if no word is similar."""
     words = {word.casefold(): word for word in allowed}
     near = difflib.get_close_matches(text[:60].casefold(), words, n=1) if isinstance(text, str) else []
     return words[near[0]] if near else ""

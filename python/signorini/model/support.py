@@ -68,7 +68,7 @@ Fix = Annotated[
 
 
 _MAX_LAW_POINTS = 100
-"""Largest number of points of a law: its pieces, in both directions, are numbered by one byte."""
+"""Largest number of points of a law: the pieces of the law, in both directions, are numbered by one byte."""
 
 
 def _law(value: object) -> object:
@@ -110,11 +110,11 @@ Rotational = Annotated[
 
 
 _PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
-"""Keys, besides order, whose value can be a list with one value per point."""
+"""Keys whose value can be a list with one number per point of the support; ``order`` is such a key too."""
 
 
 def _direction(value: object) -> object:
-    """Refuse words for tension and compression, with a hint to the direction."""
+    """Refuse "tension", "compression" and similar words; the message names the directions that are allowed."""
     text = value.lower() if isinstance(value, str) else ""
     for direction, acts, stems in (("up", "holds the plate down", "tens pull"), ("down", "pushes it up", "compr push")):
         if any(stem in text for stem in stems.split()):
@@ -124,7 +124,7 @@ def _direction(value: object) -> object:
 
 
 _NOT_BETWEEN = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
-"""Keys that are not allowed with between."""
+"""Keys that are not allowed together with ``between``."""
 
 
 class Support(Acting, base.Named):
@@ -144,8 +144,8 @@ class Support(Acting, base.Named):
     )
     resists: Annotated[Literal["down", "up", "both"] | None, BeforeValidator(_direction)] = Field(
         default=None,
-        description="Deflection that the support resists: down (it only pushes up), up (it only holds down), both; "
-        "default both.",
+        description="Deflection that the support resists: down (the support only pushes up), up (it only holds down), "
+        "both; default both.",
         json_schema_extra={"default": "both"},
     )
     gap: NonNegativePointScalar = Field(
@@ -185,7 +185,7 @@ class Support(Acting, base.Named):
     )
     preload: PositivePointScalar | None = Field(
         default=None,
-        description="Force to which the bolt at each point is tightened before other loads act; from there the support "
+        description="Force to which the bolt at each point is tightened before other loads act; then the support "
         "follows its law. A number, an expression, or a list with one value per point; resists must be up or both.",
     )
     preload_case: base.Text | None = Field(
@@ -209,22 +209,22 @@ class Support(Acting, base.Named):
     _tightened: bool = PrivateAttr(default=False)
 
     def model_post_init(self, context: Any) -> None:
-        """Assign lists with one value per point to the points."""
+        """Assign lists with one value per point to the points of ``at``."""
         for key in _PER_POINT if self.at is not None else ():
             self.__dict__[key] = self.on_points(getattr(self, key))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the support with other keys; lists with one value per point are assigned to the points of the copy."""
+        """Copy the support with other keys; lists with one value per point then apply to the points of the copy."""
         copy = super().model_copy(update=update, deep=deep)
         copy.model_post_init(None)
         return copy
 
     def on_points(self, value: Any) -> Any:
-        """Assign a list with one value per point to the points of this support; other values are returned unchanged."""
+        """Assign the values of a list to the points of this support; other kinds of values are returned unchanged."""
         return PointValues(value.values, self.at or ()) if isinstance(value, PointValues) else value
 
     def as_bolt(self) -> Self:
-        """Copy the support as one whose bolts are tightened by [[tightening]]."""
+        """Copy the support and mark the copy as bolts that are tightened by [[tightening]]."""
         copy = self.model_copy()
         copy._tightened = True
         return copy
@@ -236,13 +236,13 @@ class Support(Acting, base.Named):
 
     @property
     def point_count(self) -> int:
-        """Number of points of ``at`` or ``nodes``, else 0."""
+        """Number of points of ``at`` or ``nodes``; 0 for other places."""
         return len(self.at or self.nodes or ())
 
     @model_validator(mode="after")
     def _apply_default_resists(self) -> Self:
         if self.fix is None and self.resists is None:
-            # It is not marked as set: a dump contains the keys of the input only.
+            # The key is not marked as set, so that a dump contains only keys of the input.
             self.__dict__["resists"] = self.default_resists
             self.model_fields_set.discard("resists")
         return self
@@ -253,7 +253,7 @@ class Support(Acting, base.Named):
 
     @property
     def fixed(self) -> tuple[Component, ...]:
-        """The components held by ``fix``, in the order w, slope, twist; empty without ``fix``."""
+        """The components that ``fix`` holds, in the order w, slope, twist; empty without ``fix``."""
         if self.fix is None:
             return ()
         held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
@@ -261,27 +261,27 @@ class Support(Acting, base.Named):
 
     @property
     def fixing(self) -> str:
-        """Name or list of the components held by ``fix``."""
+        """The components that ``fix`` holds, as text for messages: a name such as "hard", or a list."""
         return self.fix if isinstance(self.fix, str) else f"{' '.join(self.fix or ())} held"
 
     @property
     def rotational(self) -> Rotational:
-        """Rotational stiffness: one formula, or those about x and y at points; empty without one."""
+        """Rotational stiffness: one formula, or two about x and y at points; empty if the support has none."""
         return self.rotational_stiffness or ()
 
     @property
     def prescribes_slopes(self) -> bool:
-        """Whether the support prescribes values of the slopes that it holds."""
+        """Whether the support has the key ``rotation``, which prescribes values of the slopes that it holds."""
         return self.rotation is not None
 
     @property
     def holds_rotation(self) -> bool:
-        """Whether ``fix`` holds slope or twist."""
+        """Whether ``fix`` holds the slope or the twist."""
         return bool({"slope", "twist"} & set(self.fixed))
 
     @property
     def on_nodes(self) -> bool:
-        """Whether the support's reactions are nodal forces; those of an area or a footprint are distributed."""
+        """Whether the reactions are nodal forces; reactions of an area or a footprint are distributed."""
         return self.area is None and not self.has_footprint
 
     @property
@@ -296,32 +296,32 @@ class Support(Acting, base.Named):
 
     @property
     def direction(self) -> Literal["down", "up", "both"]:
-        """Direction of the motions that the support resists; both with ``fix``."""
+        """Direction of the motions that the support resists: "down", "up" or "both"; with ``fix`` always "both"."""
         return self.resists or "both"
 
     @property
     def has_gap(self) -> bool:
-        """Whether the gap of the support differs from 0, somewhere at least."""
+        """Whether the gap of the support is nonzero in at least one place."""
         return not _is_zero(self.gap)
 
     @property
     def resists_by_default(self) -> bool:
-        """Whether the support resists both directions by default: neither ``fix`` nor ``resists`` is given."""
+        """Whether the support resists both directions because neither ``fix`` nor ``resists`` is given."""
         return self.resists == "both" and "resists" not in self.model_fields_set
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the support has a stiffness; a law with a vertical piece has none."""
+        """Whether the support has a finite stiffness; a law with a vertical piece has none."""
         return self.modulus is not None
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the support holds the deflection w without an elastic travel; it may have a limit."""
+        """Whether the support holds the deflection w without elastic travel; the support may have a limit."""
         return self.holds_w and not self.is_elastic
 
     @property
     def modulus(self) -> PointFieldScalar | None:
-        """Stiffness; for a law its largest slope. None for a rigid support, or a law with a vertical piece."""
+        """Stiffness, or the largest slope of a law; None for a rigid support, or a law with a vertical piece."""
         if self.law is None:
             return self.stiffness
         steps = [(t - s, f - g) for (s, g), (t, f) in pairwise(self.law)]
@@ -329,17 +329,17 @@ class Support(Acting, base.Named):
 
     @property
     def is_compliant(self) -> bool:
-        """Whether the travel grows with the force: there is a stiffness, or a law with an inclined piece."""
+        """Whether the travel increases with the force: the support has a stiffness, or a law with an inclined piece."""
         return self.modulus is not None or any(s < t and f < g for (s, f), (t, g) in pairwise(self.law or ()))
 
     @property
     def has_pieces(self) -> bool:
-        """Whether the state of the support includes the piece of a law: it has a law or a limit."""
+        """Whether the state of the support includes the piece of its law: the support has a law or a limit."""
         return self.law is not None or self.limit is not None
 
     @property
     def can_yield(self) -> bool:
-        """Whether the reaction of the support is bounded: it has a limit, or a law with a horizontal end."""
+        """Whether the reaction of the support is bounded: the support has a limit, or a law with a horizontal end."""
         if self.law is None:
             return self.limit is not None
         return self.law[-1][1] == self.law[-2][1] or (self.law[0][0] < 0.0 and self.law[0][1] == self.law[1][1])
@@ -408,7 +408,7 @@ class Support(Acting, base.Named):
             yield (key,), f"{key} needs a preload; give a preload, or remove {key}."
 
     def bolt_complaints(self) -> Iterator[base.Complaint]:
-        """Yield the problems of tightening bolts at the points of the support."""
+        """Yield the reasons why the points of the support cannot be tightened as bolts."""
         place = ("preload",)
         if self.fix is not None:
             yield place, "a preload is not allowed with fix; use resists = up or both."
@@ -483,13 +483,13 @@ _CONTACT_KEYS = (
 
 
 def _only_contact_keys(schema: dict[str, Any]) -> None:
-    """Restrict the JSON Schema of a contact to its keys."""
+    """Restrict the JSON Schema of a contact to the keys that a contact can have."""
     schema["properties"] = {key: value for key, value in schema["properties"].items() if key in _CONTACT_KEYS}
     schema["required"] = ["between"]
 
 
 class Contact(Support):
-    """Contact of an upper plate with a lower plate: a support between them that only pushes.
+    """Contact of an upper plate with a lower plate: a support between the two plates that only pushes them apart.
 
     A contact takes a place (one of at, line, circle, area), gap, stiffness, limit or law.
     """

@@ -1,4 +1,4 @@
-"""Rounds of bolt tightening: the bolt forces of a support, and the sequence of its bolts."""
+"""Rounds of bolt tightening: the force of each bolt of a support, and the order in which bolts are tightened."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from signorini.model.support import Support
 
 
 class Tightening(base.Table):
-    """One round of tightening of the bolts of a support."""
+    """One round of tightening: bolts of a support are tightened, each at most once."""
 
     support: base.Text = Field(description="Name of the support whose points are the bolts.")
     force: PositivePointScalar = Field(
@@ -28,12 +28,13 @@ class Tightening(base.Table):
     )
     case: base.Text | None = Field(
         default=None,
-        description="Load case of the force. Combinations give its factor; a combination without it has no such round. "
+        description="Load case of the force. Combinations give its factor; a combination without this case has no "
+        "such round. "
         "Default: factor 1 in all combinations.",
     )
 
     def complaints_of(self, support: Support) -> Iterator[base.Complaint]:
-        """Yield the problems of this round with the bolts of ``support``, with places relative to this table."""
+        """Yield the problems of tightening the bolts of ``support``; places are relative to this table."""
         if support.preload is not None:
             yield (
                 ("support",),

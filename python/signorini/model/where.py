@@ -1,4 +1,4 @@
-"""Places of supports, loads and refinements: the keys of the input, and the value `Where` that they give."""
+"""Places of supports, loads and refinements: the keys of the input, and class `Where` made from these keys."""
 
 from __future__ import annotations
 
@@ -20,15 +20,18 @@ PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 
 FOOTPRINT = ("patch", "radius")
 _MIN_RADIUS = 0.5
-"""Smallest radius of a circle that the mesh follows, relative to the element size: each of 12 elements around the
-circle has about a quarter of this size."""
+"""Smallest radius of a circle that the mesh follows, relative to the element size.
+
+The 12 elements around such a circle have about a quarter of this size.
+"""
 
 
 @dataclass(frozen=True)
 class Where:
     """A place on the plate: points, edges, a curve, or an area (a region, or the whole plate).
 
-    ``key`` is its key in the input; nodes of a mesh file are points. ``footprints`` has one region per point, or none.
+    ``key`` is the key of the place in the input; nodes of a mesh file have the key "at". ``footprints`` has one region
+    per point, or is empty.
     """
 
     key: PlaceKey
@@ -40,43 +43,43 @@ class Where:
 
     @property
     def shape(self) -> Curve | Region | None:
-        """The curve or the region; None for points and edges."""
+        """The curve or the region of the place; None for points, edges and the whole plate."""
         return self.curve if self.curve is not None else self.region
 
     @property
     def shapes(self) -> tuple[Curve | Region, ...]:
-        """The curve or the region, and the footprints."""
+        """The curve or the region of the place, followed by the footprints of its points."""
         return (*(() if self.shape is None else (self.shape,)), *self.footprints)
 
     @property
     def outline(self) -> Outline:
-        """Segments, circles and arcs of the curve or of the region's boundary."""
+        """Segments, circles and arcs of the curve or of the region's boundary; empty for other places."""
         return Outline() if self.shape is None else self.shape.outline
 
     def covers(self, points: Floats) -> Bools:
-        """Mask (q,) of the points (q, 2) that lie in the area."""
+        """Mask (q,) of the points (q, 2) in the region; all points if the place has no region."""
         return np.ones(len(points), np.bool_) if self.region is None else self.region.contains(points)
 
 
 def curve_of(line: tuple[Point, ...] | None, circle: Circle | None) -> Curve | None:
-    """The curve of a line or a circle of the input; None without either."""
+    """The curve of a line or a circle of the input; None if both are None."""
     if line is not None:
         return Polyline(line)
     return None if circle is None else Ring(circle.center, circle.radius)
 
 
 def mesh_follows(curve: Curve, size: float) -> bool:
-    """Whether a mesh of element size ``size`` follows a curve; a small circle would need too many elements."""
+    """Whether a mesh of element size ``size`` follows a curve; too small circles are not followed."""
     return not isinstance(curve, Ring) or curve.radius >= _MIN_RADIUS * size
 
 
 def one_of(keys: tuple[str, ...]) -> list[JsonValue]:
-    """JSON Schemas for ``oneOf``: exactly one of the keys is required."""
+    """JSON Schemas for ``oneOf``: exactly one of ``keys`` is required."""
     return [{"required": [key]} for key in keys]
 
 
 class Located(base.Table):
-    """Base class of tables with a place, given by exactly one of the keys ``places``."""
+    """Base class of tables with a place, which is given by exactly one of the keys ``places``."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "edge", "line", "circle", "area")
 
@@ -90,13 +93,13 @@ class Located(base.Table):
 
     @property
     def place(self) -> PlaceKey:
-        """The key of the place; a table without a place acts on the whole plate."""
+        """The key that gives the place; "area" for a table without a place, which acts on the whole plate."""
         keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
         return next((key for key in keys if getattr(self, key) is not None), "area")
 
     @property
     def where(self) -> Where:
-        """The place as a `Where`."""
+        """The place that the keys of the table give."""
         region = self.area.region if isinstance(self.area, Area) else None
         return Where(
             self.place, self.at or (), self.edge or (), curve_of(self.line, self.circle), region, self._footprints()
@@ -106,7 +109,10 @@ class Located(base.Table):
         return ()
 
     def _place_complaints(self, meaning: str) -> Iterator[base.Complaint]:
-        """Require exactly one place; ``meaning`` completes the message "exactly one of at, edge, ... gives"."""
+        """Yield a problem unless exactly one place is given.
+
+        ``meaning`` completes the message "exactly one of at, edge, ... gives".
+        """
         keys = self.present(self.places)
         if len(keys) != 1:
             found = " and ".join(keys) or "none"
@@ -114,7 +120,7 @@ class Located(base.Table):
 
 
 class Acting(Located, base.OnPlate):
-    """Base class of supports and loads; at points they may have a footprint."""
+    """Base class of supports and loads; their points may have footprints."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "nodes", "edge", "line", "circle", "area")
 
@@ -137,17 +143,17 @@ class Acting(Located, base.OnPlate):
 
     @property
     def place(self) -> PlaceKey:
-        """The key of the place; "at" for nodes, which are points."""
+        """The key that gives the place; "at" for the key ``nodes``, since nodes are points."""
         return "at" if self.nodes is not None else super().place
 
     @property
     def has_footprint(self) -> bool:
-        """Whether points have footprints."""
+        """Whether the points have footprints: ``patch`` or ``radius`` is given."""
         return bool(self.present(FOOTPRINT))
 
     @property
     def width(self) -> tuple[float, float]:
-        """Shorter and longer side of the footprint; 0 for a point."""
+        """Shorter and longer side of the footprint; both are the diameter of a disc, and 0 without a footprint."""
         a, b = self.patch or (2.0 * (self.radius or 0.0),) * 2
         return min(a, b), max(a, b)
 

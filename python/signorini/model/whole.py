@@ -1,4 +1,4 @@
-"""The whole input: class `Model`, its checks across tables, and `validate`; no arrays."""
+"""The whole input: class `Model`, its checks that involve several tables, and `validate`."""
 
 from __future__ import annotations
 
@@ -39,26 +39,26 @@ from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
 
 _MAX_ELEMENTS = 10_000_000
-"""Largest number of elements of a regular mesh: more exceed any memory; such a count is a typing error."""
+"""Largest number of elements of a regular mesh; a larger number is a typing error, and its mesh fits into no memory."""
 _MAX_COMBINATIONS = 1_000_000
 """Largest number of combinations of a model."""
 _MAX_POSITIONS = 2000
-"""Largest number of positions of all moving loads together; each position is a load case."""
+"""Largest total number of positions of all moving loads; each position is a load case."""
 
 _COUNTED = ("support", "contact", "load", "combination", "zone")
-"""Tables that ``repr(model)`` counts."""
+"""Keys of the tables whose number ``repr(model)`` shows."""
 
 _HasName = TypeVar("_HasName", bound=Named)
 
 
 class Units(Table):
-    """Labels of the consistent units of the input; they appear in the output and are not converted."""
+    """Labels of the units of the input, which must be consistent; the output shows the labels, values are unchanged."""
 
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
     def force_by_length(self, power: int) -> str:
-        """Label of the unit force × length^power, -3 ≤ power ≤ 1; empty if a label is missing."""
+        """Label of the unit force × length^``power``, -3 ≤ ``power`` ≤ 1; empty if a label is missing."""
         if not self.force or (power and not self.length):
             return ""
         length = self.length
@@ -66,16 +66,16 @@ class Units(Table):
 
 
 class Solver(Table):
-    """Method of solving the contact problem."""
+    """Options of the solver of the contact problem."""
 
     method: Literal["auto", "lemke", "active_set"] = Field(
         default="auto",
-        description="Method; auto chooses by the number of contact points, and tries others if it fails.",
+        description="Method; auto chooses by the number of contact points, and tries other methods after a failure.",
     )
 
 
 def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
-    """Set default names: the kind and the position, "support 1"."""
+    """Give tables without a name the default name: kind and position, such as "support 1"."""
     return tuple(
         table if table.name else table.model_copy(update={"name": f"{type(table).__name__.lower()} {position}"})
         for position, table in enumerate(tables, start=1)
@@ -83,14 +83,14 @@ def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
 
 
 def _require_plate(plate: object, info: ValidationInfo) -> object:
-    """Require [plate] if [plates] is absent; invalid [plates] have their own error."""
+    """Require [plate] if [plates] is absent; invalid [plates] have an error of their own."""
     if plate is None and not info.data.get("plates", True):
         raise PydanticCustomError("missing", "missing")
     return plate
 
 
 def _for_toml(value: Any, place: str) -> Any:
-    """Convert paths to text and omit None, for which TOML has no value."""
+    """Convert paths to text and omit None: TOML can represent neither."""
     match value:
         case Mapping():
             items = ((key, item) for key, item in value.items() if item is not None)
@@ -106,7 +106,7 @@ def _for_toml(value: Any, place: str) -> Any:
 
 
 def acts(tables: Mapping[str, Any]) -> bool:
-    """Whether tables of a model have an action other than loads: a moving load, preload, settlement or rotation."""
+    """Whether a model acts on the plate other than by [[load]]: by a moving load, preload, settlement or rotation."""
     supports = tables.get("support")
     values = (
         as_list((support if isinstance(support, Mapping) else vars(support)).get(key))
@@ -120,7 +120,7 @@ def acts(tables: Mapping[str, Any]) -> bool:
 
 
 def _without_required_load(schema: dict[str, Any]) -> None:
-    """Require in the JSON Schema exactly one of plate and plates, and at least one load or other action."""
+    """In the JSON Schema, require exactly one of plate and plates, and at least one load or other action."""
     del schema["required"]
     schema["oneOf"] = one_of(("plate", "plates"))
     schema["anyOf"] = one_of(("load", "moving", "support", "tightening"))
@@ -150,13 +150,13 @@ class Model(Table):
     )
     plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
         default_factory=lambda: FrozenMapping({}),
-        description="Several plates by name, in place of plate; tables on one of them name it in the key plate.",
+        description="Several plates by name, in place of plate; in other tables the key plate names the plate.",
     )
     if TYPE_CHECKING:
         plate: AnyPlate
-    else:  # None in a model of several plates; the model of each part has a plate, see `parts`.
+    else:  # None in a model of several plates; each model in ``parts`` has a plate.
         plate: Annotated[AnyPlate | None, BeforeValidator(_require_plate)] = Field(
-            default=None, validate_default=True, description="The plate's outline, thickness and element."
+            default=None, validate_default=True, description="The plate's outline, thickness and finite element."
         )
     zone: tuple[Zone, ...] = Field(
         default=(), description="Parts of the plate with another thickness, material or stiffness."
@@ -189,7 +189,7 @@ class Model(Table):
     @model_validator(mode="before")
     @classmethod
     def _without_loads(cls, data: Any) -> Any:
-        """Allow a model without loads if it has another action."""
+        """Allow a model without [[load]] if it has another action, see `acts`."""
         if not isinstance(data, Mapping) or as_list(data.get("load")) not in (None, [], ()):
             return data
         rest = {key: value for key, value in data.items() if key != "load"}
@@ -203,7 +203,7 @@ class Model(Table):
         self.__dict__["support"] = (*marked, *self.contact)
 
     def __repr__(self) -> str:
-        """Show the title and the numbers of tables."""
+        """Show the title and the number of tables of each kind."""
         counts = [f"{count} {key}" for key in _COUNTED if (count := len(getattr(self, key)))]
         return f"Model({', '.join([repr(self.title)] * bool(self.title) + counts)})"
 
@@ -236,7 +236,7 @@ class Model(Table):
         return copy
 
     def varied(self, **tables: object) -> Self:
-        """Copy the model with other tables as a variant of this input: input file and combinations are kept."""
+        """Copy the model with other tables as a variant of this input; input file and combinations stay the same."""
         copy = self.model_copy(update=tables)
         copy.__dict__.update({"_original": self} | self._cached())
         if "combination" in tables:
@@ -245,23 +245,23 @@ class Model(Table):
 
     @property
     def original(self) -> Model:
-        """The model of the input; this model may be a variant of it."""
+        """The model of the input file, of which this model may be a variant; see `varied`."""
         original: Model = self.__dict__.get("_original", self)
         return original
 
     def _cached(self) -> dict[str, Any]:
-        """Entries of ``__dict__`` other than fields: cached properties, the input file, the original model."""
+        """Entries of ``__dict__`` that are no fields: cached properties, the input file, the original model."""
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
 
     def read_from(self, file: str, sha256: str) -> Self:
-        """Copy the model with the name and the SHA-256 of its input file."""
+        """Copy the model, with the name and the SHA-256 of its input file."""
         copy = self.model_copy()
         copy.__dict__["_file"] = (file, sha256)
         return copy
 
     @cached_property
     def provenance(self) -> Provenance:
-        """Input file with its SHA-256, and input as JSON, both of the original model."""
+        """Input file with its SHA-256, and the input as JSON; for a variant, those of the original model."""
         original = self.original
         return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
 
@@ -271,22 +271,22 @@ class Model(Table):
 
     @property
     def parts(self) -> tuple[Part[Model], ...]:
-        """Each plate of a model of several plates, with its tables; empty for a model of one plate."""
+        """Each plate of a model of several plates as a `Part`; empty for a model of one plate."""
         return parts_of(self)
 
     @property
     def cases(self) -> tuple[str, ...]:
-        """Names of the load cases of [[load]] in the order of the input, followed by those of preloads."""
+        """Names of the load cases of [[load]] in the order of the input, followed by the load cases of preloads."""
         return tuple(dict.fromkeys([*(load.case for load in self.load), *self.preload_cases]))
 
     @property
     def preload_cases(self) -> tuple[str, ...]:
-        """Names of the load cases of preloads, in order of first appearance."""
+        """Names of the load cases of preloads, each once, in the order of the rounds."""
         return tuple(dict.fromkeys(each.case for each in self.rounds if each.case is not None))
 
     @property
     def rounds(self) -> tuple[Tightening, ...]:
-        """Rounds of tightening: one for each support with a preload, followed by those of [[tightening]]."""
+        """Rounds of tightening: one for each support with a preload, followed by the rounds of [[tightening]]."""
         preloaded = (
             Tightening.model_construct(support=support.name, force=support.preload, case=support.preload_case)
             for support in self.support
@@ -295,13 +295,16 @@ class Model(Table):
         return (*preloaded, *self.tightening)
 
     def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
-        """Factors (t,) of the bolt forces of `rounds` in a combination with ``factors``; empty if all are 0."""
+        """Factors (t,) of the bolt forces of the t `rounds` in a combination; empty if all are 0.
+
+        ``factors`` are the combination's factors of load cases.
+        """
         of_rounds = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
         return of_rounds if any(of_rounds) else ()
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The materials of the plates and of the zones."""
+        """The materials of all plates and zones."""
         plates = tuple(plate.material or self.material for plate in self.plates.values()) or (self.material,)
         return (*plates, *(zone.material for zone in self.zone if zone.material is not None))
 
@@ -317,7 +320,7 @@ class Model(Table):
 
     @property
     def young(self) -> float:
-        """Largest Young's modulus of all materials and of the solid plates equivalent to a given stiffness."""
+        """Largest Young's modulus of all materials and, for sections given by stiffness, of equivalent solid plates."""
         moduli = [material.young for material in self.materials if material.is_elastic]
         for part in (*(self.plates.values() or (self.plate,)), *self.zone):
             if part.stiffness is not None:
@@ -326,7 +329,7 @@ class Model(Table):
 
     @property
     def positions(self) -> Positions:
-        """Map from the case of each moving load to the load cases of its positions."""
+        """Map from each moving load's case to the load cases of its positions."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
     @property
@@ -336,10 +339,10 @@ class Model(Table):
 
     @cached_property
     def effective_combinations(self) -> Combinations:
-        """All combinations; generated ones are made on access.
+        """All combinations; generated combinations are made on access.
 
-        Default: "all", with factor 1 for every case, once per position of moving loads. Actions without a case, such as
-        settlements, are in every combination.
+        Without [[combination]] there is one, "all", with factor 1 for every case; with moving loads, one for each
+        position. Actions without a case, such as settlements, act in every combination.
         """
         positions = self.positions
         if self.combination:
@@ -349,13 +352,13 @@ class Model(Table):
 
     @property
     def tabulated(self) -> bool:
-        """Whether combinations are rows of a table, and only some have full results."""
+        """Whether combinations are rows of a table, so that only some have full results."""
         option = self.output.combinations
         return option == "table" or (option == "auto" and len(self.effective_combinations) > MAX_FULL_RESULTS)
 
     @property
     def estimated(self) -> bool:
-        """Whether the command estimates the mesh error (±) of every number."""
+        """Whether the command line estimates the mesh error (±) of every number."""
         plates = self.plates.values() or (self.plate,)
         return not any(isinstance(plate, MeshPlate) for plate in plates) if self.mesh.error is None else self.mesh.error
 
@@ -388,7 +391,7 @@ class Model(Table):
                 yield ("zone", index, "material"), why
 
     def _section_complaints(self) -> Iterator[Complaint]:
-        """Yield materials without moduli in sections that need moduli."""
+        """Yield a problem for each section that needs moduli but has a material without moduli."""
         if self.plate.stiffness is not None:
             yield from ((("plate", *path), message) for path, message in constant_thickness(self.plate.thickness))
         parts = (
@@ -498,7 +501,7 @@ class Model(Table):
                     yield ("combination", index, *combination.cases[case]), why
 
     def _name_complaints(self) -> Iterator[Complaint]:
-        """Yield generated names that occur twice, and unknown names in ``output.fields``."""
+        """Yield a problem for generated names that occur twice, and for unknown names in ``output.fields``."""
         if any(combination.generate for combination in self.combination):
             positions = self.positions
             taken: dict[str, int] = {}
@@ -541,14 +544,14 @@ class Model(Table):
                 yield (*place, "nodes"), why
 
     def _located(self) -> Iterator[tuple[Place, Located]]:
-        """Yield the tables with a place on the plate, and where they are in the input."""
+        """Yield each table with a place on the plate, with the table's path in the input."""
         yield from ((("support", index), support) for index, support in enumerate(self.support))
         yield from ((("load", index), load) for index, load in enumerate(self.load))
         yield from ((("mesh", "refine", index), refinement) for index, refinement in enumerate(self.mesh.refine))
 
 
 def follows_in_rows(model: Model) -> bool:
-    """Whether a regular mesh follows all borders of zones and all lines; meshes of `q8r` are always regular."""
+    """Whether the plate has a regular mesh that follows all borders of zones and all lines; always for `q8r`."""
     plate = model.plate
     if isinstance(plate, MeshPlate):
         return False
@@ -560,7 +563,7 @@ def follows_in_rows(model: Model) -> bool:
 
 
 def supports_and_loads(model: Model) -> tuple[Acting, ...]:
-    """Return the supports and the loads."""
+    """Return the supports, followed by the loads."""
     return (*model.support, *model.load)
 
 

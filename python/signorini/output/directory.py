@@ -1,4 +1,4 @@
-"""Directory of results: the files of earlier runs, and a check that it can be written to."""
+"""Directory of results: names of the files of earlier runs, and a check that the directory can be written to."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from signorini.errors import InputError
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
 
-_OURS = re.compile(r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|results\.json|combinations\.parquet")
+_OURS = re.compile(
+    r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|results\.(json|xlsx)|combinations\.parquet"
+)
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _LARGEST_ACCOUNT = 1_000_000_000
-"""Largest size in bytes of a results.json that is read."""
+"""Largest size of a results.json that is read, in bytes."""
 
 
 def former_results(directory: Path) -> list[str]:
-    """Names of the result files in a directory; empty if another program wrote its ``results.json``."""
+    """Names of the result files that ``results.json`` in a directory lists; empty if another program wrote it."""
     try:
         entries = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
-        # In schema 1, entries are file names.
+        # In schema 1 of results.json, the entries of the list are file names.
         named = (entry["file"] if isinstance(entry, dict) else entry for entry in entries)
         names = [name for name in named if _OURS.fullmatch(name)]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
@@ -36,7 +38,7 @@ def former_results(directory: Path) -> list[str]:
 
 
 def former_path(directory: Path) -> list[str]:
-    """Names of the load path's files in a directory; empty if another program wrote its ``path.json``."""
+    """Names of the load path's files in a directory; empty if another program wrote the ``path.json`` there."""
     try:
         _account(directory / PATH_JSON, _KEYS_OF_PATH)
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
@@ -53,7 +55,7 @@ def _account(file: Path, keys: set[str]) -> dict[str, Any]:
 
 @contextmanager
 def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
-    """Context with a hidden directory on the file system where results will be written.
+    """Context that yields a hidden directory on the file system to which results will be written.
 
     Two cases are refused before the results are computed: a directory that cannot be made or written to, and one in
     which another program's files have the names of the results.
@@ -64,7 +66,7 @@ def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
 
 @contextmanager
 def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Same as `room_for`, for the files of a load path."""
+    """Context as `room_for`, for the files of a load path."""
     with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
         yield room
 
@@ -85,6 +87,6 @@ def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[
 
 
 def cannot_write(target: Path, error: OSError) -> InputError:
-    """Return the error that results cannot be written to a directory, with the reason."""
+    """Return the error for results that cannot be written to a directory, with the reason."""
     why = error.strerror or str(error)
     return InputError(f"the results cannot be written there: {why}. Name another directory.", str(target))

@@ -1,4 +1,4 @@
-"""JSON of a table of combinations: summary and envelopes."""
+"""JSON of a table of combinations: its summary and its envelopes."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[st
 
 
 def envelope_json(results: Results, estimates: Estimates | None = None, group: str = "") -> dict[str, Any] | None:
-    """Return the value of "envelope" in results.json, for all combinations or a group; None if none was solved."""
+    """Value of "envelope" in results.json for a group (``""``: all combinations); None if none was solved."""
     own = _Shown.of(results.combined, results.discretisation.mesh, group)
     if own is None:
         return None
@@ -66,7 +66,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
     if told and estimates is not None:
-        # Extremes over the nodes of all plates together have no half-widths.
+        # Extremes over the nodes of several plates together have no half-widths.
         widths = {} if results.model.plates else _widths_of_wholes(results, estimates, own, told)
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
@@ -80,7 +80,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
 def _widths_of_wholes(
     results: Results, estimates: Estimates, own: _Shown, others: Sequence[_Shown]
 ) -> dict[Path, float | None]:
-    """Half-widths of extremes over nodes or points, which are not columns of the table."""
+    """Half-widths by path of extremes over nodes or points; these extremes are not columns of the table."""
     meshes = Meshes.of(own.mesh, [one.mesh for one in others], bool(estimates.no_others))
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
@@ -102,7 +102,7 @@ class _Shown:
         return None if group and group not in combined.groups else cls(combined.over(group), mesh)
 
     def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
-        """Yield the extremes of table columns: number, keys, "max" or "min" key, and row number."""
+        """Yield the extremes of table columns: number, keys, "max" or "min", and number of the table's row."""
         layout, of = self.envelope.layout, self.envelope.values
         for place, one in enumerate(layout.catalogue):
             if not one.quantity.enveloped:
@@ -113,7 +113,10 @@ class _Shown:
                     yield one, one.envelope_path, key, int(by[place])
 
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
-        """Yield the extremes over nodes or points, which are not columns: number, value, row number and position."""
+        """Yield the extremes over nodes or points: number, value, number of the table's row, and position.
+
+        These extremes are not columns of the table.
+        """
         envelope, mesh, layout = self.envelope, self.mesh, self.envelope.layout
         over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
         for name, (places, extremes) in envelope.pressures.items():
@@ -138,7 +141,7 @@ class _Shown:
             yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
 
     def tree(self, results: Results, group: str) -> dict[str, Any]:
-        """Return the extremes as nested dictionaries by their keys."""
+        """Return the extremes as nested dictionaries in the form of results.json."""
         envelope, layout = self.envelope, self.envelope.layout
         cases = frozenset(results.model.effective_combinations.cases_of(group))
         supports = [self._support(results, index) for index in range(len(layout.supports))]
@@ -196,7 +199,7 @@ class _Shown:
         return result
 
     def _ends(self, results: Results, number: int) -> dict[str, Any]:
-        """Return the extremes of a reaction per length or a concentrated force, each with its combination."""
+        """Return the extremes of a reaction per length or a concentrated force, both with their combinations."""
         extremes: dict[str, Any] = {}
         for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
             extremes |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
@@ -208,7 +211,7 @@ def _width_at(results: Results, place: Sequence[float]) -> float:
 
 
 def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
-    """Return the table at a path of keys; missing tables are added."""
+    """Return the nested dictionary at a path of keys; missing dictionaries are added."""
     result: Any = tree
     for key in path:
         if isinstance(key, str) and result.get(key) is None:
@@ -221,7 +224,7 @@ def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
 def write_envelope(
     nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str], metadata: Mapping[str, str]
 ) -> None:
-    """Write a .vtu file with the extremes of every field and the row numbers of their combinations."""
+    """Write a .vtu file with the extremes of every field at the nodes, and the row numbers of their combinations."""
     mesh = nodes.mesh
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}

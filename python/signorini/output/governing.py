@@ -1,4 +1,7 @@
-"""Governing combinations: the extremes of each bearing, with the reactions of all bearings at the same time."""
+"""Governing combinations: extremes of each bearing, with the reactions of all bearings in the same combination.
+
+A bearing is a point of a support or a whole support (`signorini.results.rows.Bearing`).
+"""
 
 from __future__ import annotations
 
@@ -13,25 +16,25 @@ from signorini.results.rows import Bearing
 
 @dataclass(frozen=True)
 class Governing:
-    """One extreme of one bearing, its combination, and the reactions of all bearings in that combination."""
+    """One extreme of a bearing, its combination, and the reactions of all bearings in that combination."""
 
     bearing: Bearing
-    what: str  # "reaction", "gap", "max_pressure" or "contact_area"
+    what: str  # quantity: "reaction", "gap", "max_pressure" or "contact_area"
     largest: bool
     combination: str
     own: float
-    own_width: float | None  # the half-width of ``own``
+    own_width: float | None  # half-width of the extreme ``own``
     reactions: tuple[float, ...]
-    widths: tuple[float | None, ...]  # the half-widths of ``reactions``; None without estimate
+    widths: tuple[float | None, ...]  # half-widths of ``reactions``; None without estimate
 
 
 def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
-    """Extremes of each bearing's reaction over a group (``""``: all combinations), the largest before the smallest."""
+    """Largest, then smallest reaction of each bearing over a group; ``group=""`` is all combinations."""
     return [one for one in governing(results, estimates, group) if one.what == "reaction"]
 
 
 def governing(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
-    """Extremes of every bearing as in `governing_reactions`: reaction, then gap, pressure and contact area."""
+    """Extremes of each bearing: reaction as in `governing_reactions`, then gap, pressure and contact area."""
     if group and group not in results.groups:
         return []
     layout, model, envelope = results.combined.layout, results.model, results.combined.over(group)
@@ -54,8 +57,8 @@ def governing(results: Results, estimates: Estimates | None, group: str = "") ->
 def governing_csv(results: Results, estimates: Estimates | None) -> str:
     """Extremes of every bearing as comma-separated values, over all combinations and over each group.
 
-    Each row has an extreme: the number, its half-width, its combination, and the reactions of all bearings in that
-    combination with half-widths. Points that open have a row with their widest gap.
+    Each row has an extreme: its value, its half-width, its combination, and the reactions of all bearings in that
+    combination with half-widths. Points that open have a row with their largest gap.
     """
     model, rows = results.model, []
     columns = [bearing.column(model) for bearing in results.combined.layout.bearings]

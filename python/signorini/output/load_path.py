@@ -106,9 +106,9 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
 
 
 def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
-    """Return the stops of a load path as comma-separated values: one row per stop, one column per number.
+    """Return the stops of a load path as comma-separated values: a row for each stop, a column for each number.
 
-    Every support has the columns of areas; they are empty for points and lines.
+    Every support has the columns of areas; for points and lines these cells are empty.
     """
     numbers = {one.column: one for one in path.stops[0].catalogue}
     of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
@@ -132,11 +132,12 @@ def _cell(stop: PathStop, one: Number | None) -> float | None:
 def write_path(
     path: LoadPath, directory: str | os.PathLike[str], estimate: PathEstimate | None = None
 ) -> list[FilePath]:
-    """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
+    """Write ``path.json``, ``path.csv`` and ``path.png``: all files or none; other files in the directory are kept.
 
-    Files of an earlier path are replaced. Files with these names from another program are refused.
+    Files of an earlier path are replaced. If another program wrote files with these names, they are not overwritten:
+    `InputError` is raised.
     """
-    # matplotlib is needed here only.
+    # matplotlib is imported only here.
     from signorini.plot.files import save
 
     target = FilePath(directory)

@@ -16,13 +16,13 @@ from signorini.model import Model
 from signorini.results.result import Result
 from signorini.results.support_result import areas_below, lines_below
 
-JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
+JSON, CSV, TABLE, XLSX = "results.json", "reactions.csv", "combinations.parquet", "results.xlsx"
 GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
 DEFORMED, PRESSURE, MOMENTS, SHEARS, REACTIONS = "-deformed", "-pressure", "-moments", "-shears", "-reactions"
-"""Endings of the names of pictures; a picture of deflections has no ending."""
+"""Suffixes that a picture's file name has after the combination's name; a picture of deflections has none."""
 PICTURES = {
     "": ("deflection",),
     DEFORMED: ("deflection",),
@@ -31,25 +31,28 @@ PICTURES = {
     PRESSURE: ("pressure",),
     REACTIONS: (),
 }
-"""Fields of a picture, by the ending of its name; reactions along lines are diagrams."""
+"""Fields that a picture shows, by the suffix of its name; pictures of reactions show diagrams along lines."""
 _KINDS = {"": "picture", DEFORMED: "deformed", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
 _KINDS |= {REACTIONS: "line reactions"}
 Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
-"""Combinations with pictures; None: all if there are at most `_FEW`, else the governing ones."""
+"""Names of the combinations that have pictures. None: all combinations if there are at most `_FEW`, else the governing
+ones.
+"""
 _FEW = 4
 _CURVES = 10
-"""Largest number of combinations with a curve each in a picture of a profile; with more, colours would repeat."""
+"""Largest number of combinations that have a curve in a picture of a profile; with more, colours would repeat."""
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
-"""Pattern of a dash that is a minus sign; a dash between words or numbers is a hyphen."""
+"""Pattern of a dash that is a minus sign. A dash between words or numbers is a hyphen and does not match."""
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
-def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
-    """List the files of the results: combination (None for all), kind and file name."""
+def files(results: Results, pictures: Pictures = None, xlsx: bool = False) -> list[dict[str, str | None]]:
+    """List the files of the results: combination (None for files of all combinations), kind and file name."""
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
+    together |= {"spreadsheet": XLSX} if xlsx else {}
     if results.model.profile:
         together["profile table"] = PROFILES_CSV
     together |= {"table": TABLE} if results.model.tabulated else {}
@@ -70,7 +73,7 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
 
 
 def expected_names(model: Model) -> Iterator[str]:
-    """Yield the file names that follow from the model; pictures of governing combinations do not."""
+    """Yield the file names that follow from the model; names of pictures of governing combinations do not."""
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
@@ -90,9 +93,9 @@ def expected_names(model: Model) -> Iterator[str]:
 
 
 def envelope_files(results: Results) -> dict[tuple[str, str], str]:
-    """Names of the envelope files by group and plate; ``""`` is all combinations, or the only plate.
+    """Names of the envelope files by (group, plate); group ``""`` is all combinations, plate ``""`` the only plate.
 
-    A group of all combinations has no file of its own.
+    A group that contains all combinations has no file of its own.
     """
     if not (results.model.tabulated and results.envelope.fields):
         return {}
@@ -101,19 +104,22 @@ def envelope_files(results: Results) -> dict[tuple[str, str], str]:
 
 
 def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
-    """Name of the file of a group's envelope; None if the group has none."""
+    """Name of the envelope file of a group and plate; None if the group has no envelope."""
     return envelope_files(results).get((group if group in _parts(results.model) else "", plate))
 
 
 def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]:
-    """Names of the pictures of an envelope file of a plate, by their endings."""
+    """Names of the pictures of one plate's envelope file, by their suffixes."""
     lines = bool(lines_on(results, plate))
     endings = [ending for ending in PICTURES if enveloped(results, ending) or (ending == REACTIONS and lines)]
     return {ending: f"{Path(file).stem}{ending}.png" for ending in endings}
 
 
 def lines_on(results: Results, plate: str) -> list[int]:
-    """Indices of the line supports of one plate, among the supports of the model."""
+    """Indices, in the model's list of supports, of the line supports of one plate.
+
+    A line support between two plates is listed for the first of them.
+    """
     owned = {one.name: one.numbers["support"] for one in results.discretisation.members}[plate]
     between = [support.between for support in results.model.support]
     lines = results.combined.layout.lines
@@ -121,7 +127,7 @@ def lines_on(results: Results, plate: str) -> list[int]:
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
-    """Fields in an envelope's picture; no deformed view, since no plate has the deflections of an envelope."""
+    """Fields that a picture of an envelope shows; empty for a deformed view, since an envelope is no plate's state."""
     if ending == PRESSURE:
         return PICTURES[PRESSURE] if results.combined.layout.at_rest else ()
     fields = () if ending == DEFORMED else PICTURES[ending]
@@ -129,12 +135,12 @@ def enveloped(results: Results, ending: str) -> tuple[str, ...]:
 
 
 def profile_pictures(model: Model) -> list[str]:
-    """File names of the pictures of profiles, in their order."""
+    """File names of the pictures of profiles, in the order of the profiles."""
     return [f"{slug}.png" for slug in unique_slugs(f"profile {profile.name}" for profile in model.profile)]
 
 
 def profiled(results: Results, pictures: Pictures) -> list[Result]:
-    """Results that have a curve in the pictures of profiles."""
+    """Results that have a curve in pictures of profiles."""
     named = list(slugs(results))
     if pictures is None and len(named) <= _CURVES:
         pictures = "all"
@@ -142,14 +148,14 @@ def profiled(results: Results, pictures: Pictures) -> list[Result]:
 
 
 def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
-    """Fields of every picture of a combination, by the picture's ending; without areas no pressures."""
+    """Fields of every picture of a combination, by the picture's suffix; pressures only if an area support exists."""
     without = set() if areas_below(result.supports) else {PRESSURE}
     without |= set() if lines_below(result.supports) else {REACTIONS}
     return {ending: fields for ending, fields in PICTURES.items() if ending not in without}
 
 
 def _taken(model: Model) -> list[str]:
-    """Names without endings of pictures of all combinations; no picture of one combination may have them."""
+    """Names, without suffix, of pictures of all combinations; pictures of one combination must not have them."""
     taken = _envelopes(model) if model.tabulated else []
     taken += [Path(name).stem for name in profile_pictures(model)]
     return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
@@ -160,7 +166,7 @@ def _envelopes(model: Model) -> list[str]:
 
 
 def _enveloped(model: Model) -> list[tuple[str, str]]:
-    """Pairs of group and plate with an envelope."""
+    """Pairs (group, plate) that have an envelope."""
     return list(product(("", *_parts(model)), model.plates or ("",)))
 
 
@@ -183,7 +189,7 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 
 
 def _by_plate(model: Model, names: Iterable[str]) -> Iterator[str]:
-    """Yield the name of each combination or, with several plates, a name for each of its plates."""
+    """Yield the name of each combination or, with several plates, a name for each plate of each combination."""
     for name in names:
         yield from (f"{name} {plate}" for plate in model.plates) if model.plates else (name,)
 
@@ -199,8 +205,8 @@ def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str
 def unique_slugs(names: Iterable[str]) -> list[str]:
     """Convert names to distinct file names without suffix, of lower-case letters, digits, dots, dashes and plus signs.
 
-    A dash that does not join two words or numbers becomes "minus". No name equals
-    another one plus the ending of a picture.
+    A dash that does not join two words or numbers becomes "minus". No returned name equals another returned name
+    followed by a suffix of pictures.
 
     Examples
     --------
@@ -237,15 +243,15 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any] | Mapping[str,
 
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠", "'")
-"""First characters of a cell that a spreadsheet computes (OWASP, *CSV Injection*), and the apostrophe that marks text.
+"""First characters that make a spreadsheet compute a cell (OWASP, *CSV Injection*), and the apostrophe that marks text.
 """
 
 
 def name_cell(name: str) -> str:
-    """Mark a name that a spreadsheet would compute as text, by an apostrophe before it.
+    """Put an apostrophe before a name that a spreadsheet would compute, so that it is read as text.
 
-    A name that begins with an apostrophe gets one too, so that a reader removes one apostrophe from every such name.
-    Numbers are not changed.
+    A name that begins with an apostrophe gets a second one, so that a reader removes one apostrophe from every such
+    name. Numbers are not changed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Pictures of combinations and of envelopes, and profiles as a table and as pictures."""
+"""Pictures of combinations and of envelopes; profiles as a table and as pictures."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ from signorini.results.support_result import lines_below
 from signorini.singularities.named import excluding
 
 _LONGEST = 44
-"""Number of characters of a combination's name that fit above a panel."""
+"""Largest number of characters of a combination's name that fit above a panel."""
 
 
 def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> list[Job]:
-    """Plan the pictures of combinations and envelopes, by plate; empty if no picture is wanted."""
+    """Plan the pictures of combinations and envelopes of each plate; an empty list if no picture is requested."""
     named = list(pictured(results, pictures)) if pictures != "none" else []
     jobs, plates = [], results.discretisation.members
     for number, plate in enumerate(plates):
@@ -68,10 +68,10 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
 
 
 def write_refinement(results: Results, directory: Path) -> None:
-    """Draw the relative half-width over the dofs of the meshes of a refinement to a requested accuracy."""
+    """Draw relative half-widths over numbers of dofs, for the meshes of a refinement to a requested accuracy."""
     steps, asked = results.refinement, results.model.mesh.accuracy
     if steps and asked is not None:
-        # Only this function needs matplotlib.
+        # matplotlib is imported only here.
         from signorini.plot.curves import refinement_picture
         from signorini.plot.files import save
 
@@ -81,9 +81,9 @@ def write_refinement(results: Results, directory: Path) -> None:
 
 
 def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple[Result, str]]) -> Iterator[Sheet]:
-    """Plan the pictures of combinations; each field has one scale in all combinations of a group.
+    """Plan the pictures of combinations; each field has the same colour scale in all combinations of a group.
 
-    Combinations without a group share a scale too.
+    Combinations without a group also have one common scale.
     """
     combinations = results.model.effective_combinations
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
@@ -109,7 +109,7 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
 
 
 def _diagrams(result: Result, estimates: Estimates | None, marks: Sequence[SupportMark]) -> Picture:
-    """Plan the picture of reactions along the lines of a plate."""
+    """Plan the picture of reactions per length along the lines of a plate."""
     told = None if estimates is None else estimates[result.name].of(result).plus_minus
     widths = [None] * len(result.supports) if told is None else [*told["supports"], *told.get("contacts", ())]
     pairs = zip(result.supports, widths, strict=True)
@@ -191,7 +191,7 @@ def _largest_pressure(results: Results, estimates: Estimates | None, envelope: E
 def _said(
     results: Results, estimates: Estimates | None, column: str, end: str, value: float, by: int
 ) -> tuple[str, str]:
-    """Return the label and the title of an extreme; ``column`` and row ``by`` give its place in the table."""
+    """Return the label and the title of an extreme, which is in ``column`` of the table at row ``by``."""
     told = estimates is not None and estimates.of_table is not None and bool(estimates.of_table.others)
     width = estimates.half_width(column, by) if told and estimates is not None else None
     name = results.key(by)
@@ -215,7 +215,7 @@ def profiles_csv(results: Results) -> str:
 
 def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
     """Draw a picture of every profile, with a curve for each combination."""
-    # Only this function needs matplotlib.
+    # matplotlib is imported only here.
     from signorini.plot.curves import profile_picture
     from signorini.plot.files import save
 

@@ -1,4 +1,4 @@
-"""Results as ``results.json`` and as ``reactions.csv``."""
+"""Results as ``results.json`` and ``reactions.csv``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
+from signorini.model import Model
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
@@ -31,11 +32,15 @@ _COLUMNS = (
     *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
-"""Largest number of points of a singularity that are listed; zone borders that cut elements may have thousands."""
+"""Largest number of points of a singularity that results.json lists. Borders of zones that cut elements may have
+thousands of points.
+"""
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
-def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
+def results_json(
+    results: Results, estimates: Estimates | None = None, pictures: Pictures = None, xlsx: bool = False
+) -> dict[str, Any]:
     """Return the results in the form of ``results.json``; docs/results.md describes every key.
 
     A combination without equilibrium has no numbers: its lists are empty, its tables are None, and ``message`` gives
@@ -47,7 +52,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json({"pictures": pictures}),
+        **results.model.provenance.json({"pictures": pictures, "xlsx": xlsx, **_alone(results.model)}),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -65,19 +70,26 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": files(results, pictures),
+        "files": files(results, pictures, xlsx),
     }
 
 
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Return the reactions as comma-separated values.
 
-    Each combination and support has a row with the ``point`` "total". Supports other than areas also have a row for
-    each point or node, with the reaction per length if it is a line. Names that a spreadsheet would compute begin with
+    Each combination and support has a row with the ``point`` "total". Each point or node of points, edges and lines
+    also has a row, with the reaction per length on edges and lines. Names that a spreadsheet would compute begin with
     an apostrophe.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
+
+
+def _alone(model: Model) -> dict[str, Any]:
+    """Option of a result that is written by itself: its combination."""
+    if model.combination == model.original.combination:
+        return {}
+    return {"combination": model.combination[0].model_dump(include={"name", "group", "factors"})}
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:
@@ -110,12 +122,12 @@ def _group(results: Results, estimates: Estimates | None, name: str, combination
 
 
 def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
-    """Return the value of the key "snapped": the object moved, and its positions before and after."""
+    """Return the value of the key "snapped": each moved object, and its positions before and after."""
     return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
 def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str, Any]]:
-    """Return the value of the key "singular" of a combination."""
+    """Return the value of the key "singular" of a combination: its singularities."""
     return [
         {
             "where": [list(at) for at in (one.where if one.line else one.where[:_MOST_PLACES])],
@@ -136,7 +148,7 @@ def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str
 
 
 def _means(one: Singularity, result: Result) -> Iterator[dict[str, Any]]:
-    """Yield the means at each listed place of a singularity; lines and nodes of elements have none."""
+    """Yield the means at each listed place of a singularity; singular lines and nodes of elements have no means."""
     by_place = {} if one.line or one.limited or result.means is None else result.means.by_place
     for at in one.where[:_MOST_PLACES]:
         if (mean := by_place.get(at)) is not None:
@@ -168,7 +180,7 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
 
 
 def _along(support: SupportResult, line: LineReactions, widths: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return for each point of a line its arc length s and the reaction per length, and at corners the force."""
+    """Return for each point of a line its arc length s, reaction per length and, at corners, concentrated force."""
     per_length = np.interp(line.points_s, line.s, line.reactions)
     pairs = zip(line.points_s.tolist(), per_length.tolist(), strict=True)
     points: list[dict[str, Any]] = [{"s": s, "reaction_per_length": value} for s, value in pairs]

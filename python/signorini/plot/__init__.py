@@ -1,7 +1,7 @@
-"""Pictures of a plate: contours, supports open or closed, loads, sections.
+"""Pictures of a plate: contours, open and closed supports, loads, sections.
 
-Functions take arrays and return matplotlib axes or figures outside pyplot, so that no display is needed. matplotlib
-is imported at the first access to a function that draws.
+Functions take arrays and return matplotlib axes or figures. The figures are made without pyplot, so that no display is
+needed. matplotlib is imported at the first access to a function that draws.
 """
 
 from signorini.base.packages import lazily

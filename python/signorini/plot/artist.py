@@ -16,24 +16,24 @@ if TYPE_CHECKING:
     from signorini.plot.picture import Job, Sheet
 
 _ENOUGH = 24
-"""Panels that a process draws in about the time of importing matplotlib."""
+"""Number of panels that a process draws in about the time of importing matplotlib."""
 _MAX_ELEMENTS = 100_000
-"""Largest number of elements that several processes draw in parallel: limits memory."""
+"""Largest number of elements for which several processes draw in parallel; the limit saves memory."""
 
 
 class Artist:
-    """A drawing process, started in advance; more processes for many pictures."""
+    """A process that draws pictures and is started in advance; `drawn` starts more processes for many pictures."""
 
     def __init__(self) -> None:
         self._processes = [_started()]
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
-        """Return the artist."""
+        """Return this object, for a with statement."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """End the processes."""
+        """End all drawing processes."""
         for process in self._processes:
             process.kill()
         if self._pool is not None:
@@ -59,12 +59,12 @@ class Artist:
 
 
 def cores() -> int:
-    """Count the cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _started() -> subprocess.Popen[bytes]:
-    # A new session: Ctrl-C interrupts the parent process only, which then ends this one.
+    # The new session keeps Ctrl-C from this process; the parent process gets the signal and ends this process.
     code = f"from {__name__} import main; main()"
     return subprocess.Popen(
         [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
@@ -72,7 +72,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _shared(sheets: Sequence[Sheet], count: int) -> list[list[Sheet]]:
-    """Distribute sheets, the largest first, each to the process with the fewest panels."""
+    """Distribute sheets over ``count`` processes, the largest first, each to the one with the fewest panels."""
     shares: list[list[Sheet]] = [[] for _ in range(count)]
     for sheet in sorted(sheets, key=lambda sheet: -sheet.panels):
         min(shares, key=lambda share: sum(sheet.panels for sheet in share)).append(sheet)

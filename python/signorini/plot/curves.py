@@ -1,4 +1,4 @@
-"""Curves of load paths, along profiles, and of mesh refinement."""
+"""Curves over the factor of a load path, along lines of a plate, and over the dofs of refined meshes."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from signorini.shapes.arrays import Floats
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
-"""Line styles of curves of one colour."""
+"""Line styles; the next style is used when all colours are used."""
 _MAX_CURVES = len(_CURVES) * len(_STYLES)
 _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
-"""Width of a line of a legend [inches]."""
+"""Largest width of a line of legend text [inches]."""
 _DESIGN, _DWARFED = 0.97, 2.5
-"""A panel is scaled by the first 97 % of t if later values are over 2.5 times larger."""
+"""If values in the last 3 % of t are over 2.5 times larger than before, the earlier 97 % set the scale of the panel."""
 _ROOM, _LONGEST = 0.04, 40
-"""Smallest distance of two event labels, relative to the range of t; largest number of characters of a label."""
+"""Smallest distance of two event labels, relative to the last t; largest number of characters of a label."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
-"""Relative tolerance for equal curves, relative to the largest value."""
+"""Largest difference of equal curves, relative to the largest value of all curves."""
 _HEIGHT, _ROW = 2.3, 0.19
-"""Height of a panel, and of a row of its legend [inches]."""
+"""Least height of a panel, and height of a row of its legend [inches]."""
 
 
 def line(
@@ -45,9 +45,10 @@ def line(
     title: str = "",
     upward: bool = False,
 ) -> Axes:
-    """Draw values (k,) at positions (k,) along a line, positive ones downwards as deflections are, or ``upward``.
+    """Draw values (k,) at positions (k,) along a line, positive values down as deflections, or ``upward``.
 
-    Give the axes of an earlier call to draw several curves together. ``label`` is the curve's name in the legend.
+    With ``ax``, the axes of an earlier call, several curves are drawn together. ``label`` is the curve's name in the
+    legend.
     """
     axes = Figure(figsize=(7, 3.6), layout="constrained").add_subplot() if ax is None else ax
     axes.plot(np.asarray(x, dtype=float), np.asarray(y, dtype=float), label=label or "_curve", linewidth=1.6)
@@ -83,11 +84,12 @@ def load_path_picture(
 ) -> Figure:
     """Draw reactions of supports and points, largest pressures, closed fractions and deflections over t, a panel each.
 
-    Curves (k,) by name are at the stops ``t`` (k,); closed fractions are from 0 to 1. A name has the same colour in all
-    panels. Equal curves are merged. A panel draws at most 18 curves and counts the others. Values of the last t that
-    are far larger than all before are cut off, with a note. ``thresholds`` are t to mark, by the condition reached;
-    ``events`` are t with labels; ``stepwise`` are the point supports, whose closed fraction jumps. Equilibrium ends at
-    ``limit``; beyond ``until`` the theory is invalid; beyond ``last`` there are no events.
+    Curves (k,) by name are at the values ``t`` (k,); closed fractions are from 0 to 1. A name has the same colour in
+    all panels. Equal curves are drawn once. A panel draws at most 18 curves and counts the others. If the last values
+    are far larger than all earlier values, they are cut off, with a note. ``thresholds`` are values of t to mark, by
+    name; ``events`` are values of t with labels. The closed fractions of the supports ``stepwise`` jump at events.
+    Equilibrium ends at ``limit``; beyond ``until`` deflections are too large for the theory. Curves end at ``until`` or
+    ``last``.
     """
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
@@ -142,13 +144,13 @@ def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
 
 
 def _write_at_top(axes: Axes, t: float, words: str, **look: Any) -> None:
-    """Write a text at the upper edge of a panel."""
+    """Write a text at ``t`` at the upper edge of a panel."""
     place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
     axes.annotate(literal(words), (t, 1.0), **place, **look)
 
 
 def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
-    """Draw lines at events, and their labels above the first panel if there is space."""
+    """Draw a dotted line in all panels at each event, and above the first panel its label if there is space."""
     before = -np.inf
     for t, words in events:
         for panel in axes:
@@ -160,7 +162,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """Scale a panel by the values before the last 3 % of t if later ones are much larger; note the larger values."""
+    """If values in the last 3 % of t are much larger, scale a panel by the earlier ones and note the larger ones."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
@@ -175,7 +177,7 @@ def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
 
 
 def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
-    """Merge equal curves; return each distinct curve with the names of all curves equal to it."""
+    """Merge equal curves (k,); return each distinct curve with the names of all curves equal to it."""
     tolerance = _ALIKE * size_of(list(curves.values()))
     merged: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
@@ -216,7 +218,7 @@ def _draw_curves(
 
 
 def _write_labels(axes: Axes, x: str | None, y: str, size: float, numbers: float) -> None:
-    """Label the axes of a panel; without ``x`` the panel below has the label."""
+    """Label the axes of a panel; ``x`` is None if the panel below has the label of the x axis."""
     if x is not None:
         axes.set_xlabel(x, fontsize=size, color=INK)
     axes.set_ylabel(y, fontsize=size, color=INK)
@@ -224,7 +226,7 @@ def _write_labels(axes: Axes, x: str | None, y: str, size: float, numbers: float
 
 
 def _without_rounding(axes: Axes, size: float) -> None:
-    """Show values that vary by rounding as constant."""
+    """Widen the value range to 1e-6 ``size`` if it is less, so that a curve that varies by rounding looks constant."""
     low, high = axes.get_ylim()
     least = _ALIKE * size
     if abs(high - low) < least:
@@ -234,7 +236,7 @@ def _without_rounding(axes: Axes, size: float) -> None:
 
 
 _COLOURS = 10
-"""Number of line colours; further curves repeat them in another style."""
+"""Number of line colours; curve 11 and those after it repeat the colours in the next line style."""
 
 
 def _unit_of(label: str) -> str:
@@ -242,7 +244,7 @@ def _unit_of(label: str) -> str:
 
 
 _ACROSS = 4
-"""Number of panels in a row of a landscape page."""
+"""Number of panels side by side on a landscape page."""
 
 
 def profile_picture(
@@ -252,10 +254,10 @@ def profile_picture(
     title: str = "",
     upward: Collection[str] = (),
 ) -> Figure:
-    """Draw each quantity along a line in a panel. Positive values point down, those of ``upward`` quantities up.
+    """Draw each quantity along a line in its own panel. Positive values point down, those of ``upward`` quantities up.
 
-    ``panels`` are the curves (k,) of each quantity by combination; ``along`` is the label of the distance (k,). A curve
-    has a gap at NaN, and a quantity without values has no panel.
+    ``panels`` has the curves (k,) of each quantity by combination; ``along`` is the label of the distance (k,). A curve
+    is interrupted at NaN. A quantity with NaN only has no panel.
     """
     shown = {
         name: curves
@@ -288,9 +290,10 @@ _FOUND, _LIMIT = "#1f5fa8", "#b3261e"
 
 
 def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: float, title: str = "") -> Figure:
-    """Draw the largest relative half-width over the dofs, with the curve expected for uniform refinement.
+    """Draw the largest relative half-width over the number of dofs, and the curve expected for uniform refinement.
 
-    ``order`` is the expected order of convergence in the element size.
+    ``asked`` is the half-width that ``mesh.accuracy`` requires; ``order`` is the expected order of convergence in the
+    element size.
     """
     n, half_width = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")

@@ -36,24 +36,24 @@ from signorini.shapes.arrays import Floats
 
 _NOISE = 1e-9
 _TINT = 0.3
-"""Distance of the palest colour of a pressure from white, relative to the range of the scale."""
+"""Difference of the palest colour of a pressure from white, as a fraction of the colour range."""
 _BANDS = 14
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
-"""Widths of bands, times powers of ten, so that their limits have few digits."""
+"""Allowed widths of colour bands, apart from a power of ten: their limits then have few digits."""
 _MAX_LABELS = 7
-"""Approximate number of contours with a label."""
+"""Approximate number of contour levels with a label."""
 _SHORTEST = 50.0
-"""Smallest length of a contour with a label [points]."""
+"""Smallest length of a contour that gets a label [points]."""
 _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
-"""Positions along a contour for its value."""
+"""Candidate positions of a contour's label, as fractions of the contour's length."""
 _ON_OUTLINE = 1e-9
-"""Distance of a point on an outline, relative to the plate's size."""
+"""Largest distance of points on an outline from it, relative to the plate's size."""
 _EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Colour bands: limits (k + 1,), the colour map, and the normalisation of values."""
+    """Colour bands: limits (k + 1,) of k bands, the colour map, and the normalisation of values to the map."""
 
     bounds: Floats
     colours: Colormap
@@ -61,7 +61,7 @@ class Scale:
 
     @classmethod
     def of(cls, panel: Panel) -> Self:
-        """Choose bands and colours: both signs are centred at zero; a single sign uses half the map, pale near zero."""
+        """Choose bands and colours: with both signs, zero has the middle colour; one sign uses half of the map."""
         low, high = panel.limits
         if not isinstance(panel.values, np.ndarray) and high <= low:
             high = 1.0
@@ -70,26 +70,26 @@ class Scale:
         if low < 0 < high:
             norm = Normalize(-max(-low, high), max(-low, high))
         else:
-            # On a blank plate the smallest pressure must be visible.
+            # The smallest pressure must differ from the plate, which is white where the pressure is zero.
             more = (high - low) * (1.0 if isinstance(panel.values, np.ndarray) else 1.0 + _TINT)
             norm = Normalize(low - more, high) if high > 0 else Normalize(low, high + more)
         return cls(bounds, colormaps[panel.colours], norm)
 
     def clipped(self, values: Floats) -> Floats:
-        """Clip values to the scale."""
+        """Clip values (n,) to the range of the bands."""
         low, high = self.bounds[[0, -1]]
-        # The upper limit itself belongs to no band.
+        # A value equal to the upper limit would be in no band.
         return np.clip(values, low, high - _NOISE * (high - low))
 
     @property
     def bar(self) -> ScalarMappable:
-        """The bands of a colour bar."""
+        """The colours and limits of the bands, as matplotlib needs them for a colour bar."""
         shown = self.colours(self.norm(0.5 * (self.bounds[1:] + self.bounds[:-1])))
         return ScalarMappable(BoundaryNorm(self.bounds, len(shown)), ListedColormap(shown))
 
 
 def _settled(low: float, high: float) -> tuple[float, float]:
-    """A nonempty range; an end within rounding of zero is zero."""
+    """Widen an empty range of values, and set an end within rounding of zero to zero."""
     largest = max(abs(low), abs(high))
     low, high = (0.0 if abs(end) < _NOISE * largest else end for end in (low, high))
     if high - low <= _NOISE * largest:
@@ -99,7 +99,7 @@ def _settled(low: float, high: float) -> tuple[float, float]:
 
 
 def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labels) -> None:
-    """Draw filled contours, labels of some of them, and the plate's outline."""
+    """Draw filled contours of nodal values (n,), labels of some contours, and the plate's outline."""
     fine = scale.clipped(plan.cut.interpolate(field))
     draw_outlines(axes, plan)
     bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
@@ -108,7 +108,7 @@ def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labe
 
 
 def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
-    """Draw pressures, blank where the pressure is zero, and the plate's outline."""
+    """Draw the pressures of areas and the plate's outline; places with zero pressure are white."""
     draw_sheet(axes, plan, "white")
     draw_outlines(axes, plan, hatched=False)
     for layer in layers:
@@ -128,7 +128,7 @@ def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, l
     if not np.clip(layer.values, *layer.bounds).any():
         return []
     levels = scale.bounds[(scale.bounds >= layer.bounds[0]) & (scale.bounds <= layer.bounds[1])]
-    # Values beyond the scale have the last colour; values beyond the layer's bounds are blank.
+    # Values outside the colour scale have its first or last colour; values outside the layer's bounds are not drawn.
     low, high = scale.clipped(np.array([-np.inf, np.inf]))
     within = layer.bounds[0] >= scale.bounds[0], layer.bounds[1] <= scale.bounds[-1]
     values = np.clip(layer.values, -np.inf if within[0] else low, np.inf if within[1] else high)
@@ -141,10 +141,10 @@ def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, l
 
 
 def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.bool_]:
-    """Mask of the points on an area or its outline; ``size`` is that of the plate."""
+    """Mask (k,) of the points (k, 2) in a layer's outline or on it; ``size`` is the plate's size."""
     if layer.outline is None:
         return np.ones(len(places), np.bool_)
-    # The sign of the radius that includes the outline depends on the outline's orientation.
+    # Whether a positive or a negative radius includes points on the outline depends on its orientation, so try both.
     tolerance = _ON_OUTLINE * size
     (outer, *holes), radii = map(Path, pieces(layer.outline)), (tolerance, -tolerance)
     within: NDArray[np.bool_] = np.any([outer.contains_points(places, radius=radius) for radius in radii], axis=0)
@@ -161,7 +161,7 @@ def _label_contours(
     labels: Labels,
     within: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> None:
-    """Draw some contours as lines with their values at positions that are ``within``; zero has the widest line."""
+    """Draw some contours as lines and write their values where ``within`` is True; the line of zero is the widest."""
     every = -(-len(bounds) // _MAX_LABELS)
     zero = int(np.abs(bounds).argmin())
     chosen = [float(level) for i, level in enumerate(bounds) if (i - zero) % every == 0]
@@ -189,7 +189,7 @@ def _label_contours(
 
 
 def _in_words(level: float, step: float) -> str:
-    """Write a level with as few digits as its distance to the next level allows.
+    """Write the value of a contour with as many digits as distinguish it from contours ``step`` away.
 
     Examples
     --------
@@ -198,13 +198,13 @@ def _in_words(level: float, step: float) -> str:
     """
     if abs(level) < 1e-9 * step:
         return "0"
-    # A step of 2.5 has two digits, and a multiple such as 12.5 has three.
+    # A step of 2.5 has two digits, and its multiple 12.5 has three.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 3
     return plain(level, digits)
 
 
 def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = None) -> None:
-    """Draw the colour bar into the axes ``beside``, or next to ``axes``."""
+    """Draw the colour bar on the axes ``beside``; without them, on new axes next to ``axes``."""
     room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
     bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
     bar.set_label(literal(label), fontsize=9)

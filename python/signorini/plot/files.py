@@ -15,7 +15,8 @@ from signorini.base.files import replacing
 from signorini.base.provenance import PROGRAM
 
 _FAST = 1
-"""Compression level of zlib for .png files: 20 % larger than by default, in a quarter of the time."""
+"""Compression level of zlib for .png files: they are 20 % larger than at the default level, in a quarter of the time.
+"""
 DOTS = 120
 """Dots per inch of .png files."""
 
@@ -23,7 +24,8 @@ DOTS = 120
 def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str] | None = None) -> None:
     """Write a figure to a file atomically; the suffix (``.png``, ``.svg``, ``.pdf``) selects the format.
 
-    A .png file has the metadata by name; .svg and .pdf have the program as creator and the metadata as one text.
+    A .png file has a text chunk for each entry of the metadata. In .svg and .pdf files the program is the creator, and
+    the metadata are joined to one text.
     """
     metadata = metadata or {"Software": PROGRAM}
     with replacing(path) as temporary:
@@ -36,16 +38,16 @@ def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, st
 
 
 def png_of(figure: Figure) -> bytes:
-    """Draw a figure with a raster canvas as a PNG file."""
+    """Draw a figure as pixels; return the content of a .png file."""
     figure.set_dpi(DOTS)
-    canvas: Any = figure.canvas  # untyped in matplotlib
+    canvas: Any = figure.canvas  # matplotlib has no types for the methods of a canvas
     canvas.draw()
     return as_png(canvas)
 
 
 def as_png(canvas: Any) -> bytes:
-    """Return a canvas as a PNG file of unfiltered lines: the size of matplotlib's, in half the time."""
-    # Without the alpha channel, which pages do not need, there is a quarter less to compress.
+    """Return the content of a .png file of a drawn canvas; it is as large as matplotlib's file, in half the time."""
+    # Pages do not need the alpha channel; without it, a quarter less data is compressed.
     dots = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width, _ = dots.shape
     lines = np.zeros((height, 1 + 3 * width), np.uint8)
@@ -61,11 +63,11 @@ def as_png(canvas: Any) -> bytes:
 
 
 _HEAD = 33
-"""Bytes of a PNG file up to the end of its first chunk."""
+"""Number of bytes of a PNG file up to the end of its first chunk."""
 
 
 def with_texts(png: bytes, metadata: Mapping[str, str]) -> bytes:
-    """Insert texts by name into a PNG file."""
+    """Insert a text chunk for each entry of the metadata into the content of a .png file."""
     return png[:_HEAD] + b"".join(_chunk(*_text(name, text)) for name, text in metadata.items()) + png[_HEAD:]
 
 
@@ -74,7 +76,7 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def _text(name: str, text: str) -> tuple[bytes, bytes]:
-    """Kind and data of a text chunk of a PNG file: Latin-1 if possible, else UTF-8."""
+    """Chunk type and data of a text in a PNG file: tEXt in Latin-1 if possible, otherwise iTXt in UTF-8."""
     try:
         return b"tEXt", f"{name}\0{text}".encode("latin-1")
     except UnicodeEncodeError:

@@ -1,4 +1,4 @@
-"""Diagrams of reactions per length along lines, on the plan of a plate."""
+"""Diagrams of reactions per length, drawn along line supports on the plan of a plate."""
 
 from __future__ import annotations
 
@@ -22,11 +22,14 @@ from signorini.shapes.arrays import Floats
 
 _UP, _DOWN = "#1f78b4", "#d7301f"
 _LARGEST = 0.14
-"""Largest ordinate, relative to the plate's size."""
+"""Length of the largest ordinate of a diagram, relative to the plate's size."""
 
 
 def line_diagrams(plan: Plan, picture: Picture, largest: float, length: str) -> Figure:
-    """Draw the plate, its supports, and the reactions per length along lines; ``largest`` sets the scale."""
+    """Draw the plate, its supports, and the reactions per length of line supports.
+
+    ``largest``, the largest reaction per length of all pictures, sets the scale.
+    """
     scale = _LARGEST * float(np.ptp(plan.nodes, axis=0).max()) / (largest or 1.0)
     tips = [_tips(diagram, values, scale) for diagram in picture.diagrams for values in diagram.values]
     page = Page(replace(plan, beside=np.concatenate(tips)), 1, length, bars=False)
@@ -58,7 +61,7 @@ def _tips(diagram: LineDiagram, values: Floats, scale: float) -> Floats:
 
 
 def _draw(axes: Axes, diagram: LineDiagram, values: Floats, scale: float) -> None:
-    """Draw the ordinates (k,) of each run; reactions that push the plate up are to the right of the line."""
+    """Draw the ordinates (k,) of each connected run of stations; positive reactions are to the right of the line."""
     tips, firsts = _tips(diagram, values, scale), np.flatnonzero(diagram.begins).tolist()
     for first, last in pairwise([*firsts, len(values)]):
         run = slice(first, last)
@@ -69,7 +72,10 @@ def _draw(axes: Axes, diagram: LineDiagram, values: Floats, scale: float) -> Non
 
 
 def _of_sign(line: Floats, tips: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Base points and tips of the positive ordinates (k,), with the zeros between stations inserted."""
+    """Base points and tips of the positive ordinates ``values`` (k,).
+
+    Other ordinates have length zero, and the zeros between two stations are inserted.
+    """
     begin, end = values[:-1], values[1:]
     (crossed,) = np.nonzero(begin * end < 0.0)
     part = (begin[crossed] / (begin[crossed] - end[crossed]))[:, None]

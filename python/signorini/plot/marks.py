@@ -27,15 +27,15 @@ LEGEND_SIZE = 8.5
 LARGEST, _SMALLEST = 8.5, 3.2
 """Largest and smallest width of a mark [points]."""
 _FEW = 600
-"""Largest number of points for which all distances are computed."""
+"""Largest number of points for which all distances between points are computed."""
 _FITS = 0.8
-"""Size of a mark, relative to the distance of its neighbour."""
+"""Size of a mark, relative to its distance from the nearest mark."""
 _SPACED = {"line": 0.55, "area": 1.1}
-"""Distance of the marks along a line, and along the outline of an area [inches]."""
+"""Distance of the marks along a line support, and along the outline of an area support [inches]."""
 _INSIDE = 0.35
-"""Largest size of a mark, relative to its footprint, so that the field remains visible."""
+"""Largest size of a mark, relative to the footprint around it, so that the field remains visible."""
 _WAVE, _SWING = 5.0, 1.7
-"""Half the period and half the width of a zigzag line [points]."""
+"""Half the period and the amplitude of a zigzag line [points]."""
 _FLIPPED = np.array([1.0, -1.0])
 _TRIANGLE = np.array([[0.0, 0.5], [-0.5, -0.42], [0.5, -0.42], [0.0, 0.5]])
 _GLYPHS = {
@@ -48,18 +48,18 @@ _GLYPHS = {
 }
 _SPRING = np.array([[0.0, -0.45], [0.4, -0.6], [-0.4, -0.78], [0.4, -0.96], [-0.3, -1.1]])
 _BAR = np.array([[-0.5, 0.85], [0.5, 0.85]])
-"""Bar above the triangle: the plate before the gap is closed; the spring is below the triangle."""
+"""Bar above the triangle of a support with a gap: it stands for the plate before contact. A spring is drawn below."""
 _DETAILED = 5.0
-"""Smallest size of a mark with spring and bar [points]."""
+"""Smallest size at which a mark has its spring and bar [points]."""
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
 
 Entry = tuple[str, tuple[Artist, ...]]
-"""A legend entry: text and samples."""
+"""A legend entry: its text and its sample symbols."""
 
 
 def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
-    """Draw supports and edges of contact; return the legend entries."""
+    """Draw supports and the borders of contact in areas; return the legend entries."""
     entries = [draw_support(mark, axes) for mark in marks]
     look: dict[str, Any] = {"color": _EDGE, "linewidth": 1.8, "solid_capstyle": "butt"}
     lines = [line for mark in marks for line in mark.boundary]
@@ -70,7 +70,7 @@ def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
 
 
 def legend_words(marks: Sequence[SupportMark]) -> list[str]:
-    """Texts of the legend of supports."""
+    """Legend texts of supports."""
     return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 
@@ -98,7 +98,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
 
 
 def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
-    """Write the numbers of points."""
+    """Write the number of each support point beside it."""
     named = [(words, at) for mark in marks for words, at in zip(mark.numbers, mark.positions, strict=False)]
     for place, (words, at) in enumerate(named):
         others = [other for number, (_, other) in enumerate(named) if number != place]
@@ -106,9 +106,12 @@ def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
 
 
 def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: float) -> float:
-    """Draw footprints to scale, shaded if closed and dashed if open; return the largest size of marks within."""
+    """Draw a support's footprints to scale: shaded if closed, dashed if open.
+
+    Return the largest size [points] of a mark inside a footprint.
+    """
     prints = pieces(mark.footprints)
-    # Before a solution the points have another order, so all footprints are drawn as closed.
+    # Before a solution no state is known, so all footprints are drawn as closed.
     states = closed if len(closed) == len(prints) else np.ones(len(prints), np.bool_)
     for chosen, shade, line in ((states, to_rgba(INK, 0.18), "solid"), (~states, "none", "dashed")):
         if chosen.any():
@@ -119,7 +122,7 @@ def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: flo
 
 
 def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Labels) -> list[Entry]:
-    """Draw zones with their numbers from 1; return the legend entries."""
+    """Draw zones and number them from 1; return the legend entries."""
     entries: list[Entry] = []
     look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
     for number, mark in enumerate(marks, 1):
@@ -131,7 +134,7 @@ def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Label
 
 
 def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
-    """Style of a mark at a point: with a spring if it is elastic, with a bar if it has a gap."""
+    """Style of the mark of a support point: with a spring if the support is elastic, with a bar if it has a gap."""
     shape, turned = _GLYPHS[mark.kind], _FLIPPED if mark.kind == "up" else np.ones(2)
     details = [_SPRING] if mark.elastic and mark.style == "points" else []
     details += [_BAR] if mark.gap else []
@@ -140,7 +143,7 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
     edge = max(0.6, 0.12 * size)
     return {
         "marker": joined,
-        # matplotlib scales a marker so that its largest coordinate is half its size from the center.
+        # matplotlib scales a marker so that its largest coordinate becomes half of the marker size.
         "markersize": 2 * size * float(np.abs(joined.vertices).max()),
         "markerfacecolor": "white" if hollow else INK,
         "markeredgecolor": INK,
@@ -151,7 +154,11 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
 
 
 def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, per_unit: float) -> list[Artist]:
-    """Draw a line support, or the outline of an area: a band, filled where closed; elastic lines are zigzags."""
+    """Draw a line support, or the outline of an area: a band, dark where closed and white inside where open.
+
+    An elastic line support is a zigzag. ``closed`` (k,) are the states at the positions (k, 2). Return the samples of
+    the legend.
+    """
     width = 1.0 if mark.style == "area" else 2.2
     look: dict[str, Any] = {"color": INK, "linewidth": width, "clip_on": False, "solid_capstyle": "butt"}
     if mark.kind == "symmetry":
@@ -188,7 +195,7 @@ def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, 
 
 
 def _fitting(positions: Floats, per_unit: float) -> float:
-    """Size of marks at points, limited by their distance, but at least the smallest size."""
+    """Size [points] of the marks at points (k, 2): 0.8 times their typical distance, within the limits of the size."""
     if len(positions) < 2:
         return LARGEST
     spread = np.ptp(positions, axis=0) * per_unit * 72
@@ -201,7 +208,7 @@ def _fitting(positions: Floats, per_unit: float) -> float:
 
 
 def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Bools]:
-    """Points along polylines at about equal distances ``apart``, and their states."""
+    """Points along polylines at about equal distances ``apart``, and the contact state at each."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if len(piece) < 2:
@@ -215,19 +222,22 @@ def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Boo
 
 
 def _along(piece: Floats) -> Floats:
-    """Arc lengths (k,) of the vertices of a polyline."""
+    """Arc length (k,) from the start of a polyline (k, 2) to each vertex."""
     return np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
 
 
 def _at(piece: Floats, shut: Bools, along: Floats, parts: Floats) -> tuple[Floats, Bools]:
-    """Points at fractions of a polyline's length, and the states there."""
+    """Points at the fractions ``parts`` of a polyline's length, and the contact states there.
+
+    ``along`` (k,) are the arc lengths of the vertices.
+    """
     at = parts * along[-1]
     states = shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)]
     return np.column_stack([np.interp(at, along, side) for side in piece.T]), states
 
 
 def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]:
-    """A zigzag line along a polyline."""
+    """Vertices of a zigzag along a polyline, and the contact state at each."""
     along = _along(piece)
     count = max(4, round(along[-1] * per_unit * 72 / _WAVE))
     places, states = _at(piece, shut, along, np.linspace(0.0, 1.0, count + 1))
@@ -240,13 +250,13 @@ def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]
 
 
 def _runs(chosen: Bools) -> list[tuple[int, int]]:
-    """First and last index of every run."""
+    """First and last index of every run of True in a mask."""
     steps = np.diff(np.concatenate([[False], chosen, [False]]).astype(int))
     return list(zip(np.flatnonzero(steps > 0).tolist(), (np.flatnonzero(steps < 0) - 1).tolist(), strict=True))
 
 
 def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | None = None) -> None:
-    """Draw the legend below the axes, or at a position of the figure [inches]."""
+    """Draw the legend below the axes, or with its upper center ``at`` a position in the figure [inches]."""
     if not entries:
         return
     inches = figure_of(axes).dpi_scale_trans
@@ -265,7 +275,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
 
 
 def _hatched_outside(piece: Floats, middle: Floats) -> Floats:
-    """Orient a polyline so that its right side faces away from the center."""
+    """Reverse a polyline if its right side, which is hatched, faces the center ``middle`` (2,) of the picture."""
     start, step = piece[:-1] - middle, np.diff(piece, axis=0)
     turning = float(np.sum(start[:, 0] * step[:, 1] - start[:, 1] * step[:, 0]))
     return piece if turning >= 0 else piece[::-1]

@@ -21,17 +21,17 @@ from signorini.plot.plan import Labels, enclosed, inches_per_unit, pieces
 from signorini.shapes.arrays import Floats
 
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
-"""Colours of the load cases, in order."""
+"""Colours of the first, second, ... load case; after the last colour they repeat."""
 _MAX_VALUES = 12
-"""Largest number of points of a load with labels; otherwise the value is in the legend only."""
+"""Largest number of points of a load whose values are written beside them; for more points only the legend has it."""
 _MAX_PLACES = 5
-"""Candidate positions of a label along a line."""
+"""Largest number of positions that are tried for a label along a line."""
 _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])
 """Candidate positions of a label in an area, relative to its bounding box."""
 
 
 def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
-    """Draw one load, areas on the plate only, and return its entry in the legend."""
+    """Draw one load, but no area outside the plate; return the legend entry."""
     positions, words = mark.positions, mark.label
     ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
     ring |= {"clip_on": False, "zorder": 6}
@@ -68,9 +68,9 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
 def draw_loads(
     marks: Sequence[LoadMark], axes: Axes, totals: Mapping[str, str], plate: Path, labels: Labels
 ) -> list[Entry]:
-    """Draw loads with a colour per case; return the legend entries, totals of cases last.
+    """Draw loads, with one colour per load case; return the legend entries, last the totals of the cases.
 
-    Loads with equal legend texts share one entry.
+    Loads with equal legend texts share one entry. ``totals`` are the texts of the totals by case.
     """
     cases = list(dict.fromkeys(mark.case for mark in marks))
     colours = {case: _COLOURS[place % len(_COLOURS)] for place, case in enumerate(cases)}
@@ -84,7 +84,7 @@ def draw_loads(
 
 
 def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
-    """Write the value of a load at its points, along its line or in its area."""
+    """Write the value of a load beside its points, along its line or in its area."""
     positions = mark.positions
     for piece in pieces(positions)[:1] if mark.style != "points" else ():
         inside = piece
@@ -97,19 +97,19 @@ def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
 
 
 def _spread(count: int) -> NDArray[np.int64]:
-    """Indices of candidate positions, the middle one first."""
+    """Indices of up to five evenly spaced items out of ``count``, the middle item first."""
     if count <= _MAX_PLACES:
         return np.roll(np.arange(count), -(count // 2))
     return np.linspace(0, count - 1, _MAX_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]
 
 
 _HEAD = 0.01
-"""Length of an arrow head, relative to the last segment of its line."""
+"""Length of a section's arrow head, relative to the last segment of the section."""
 _SECTION, _STRIP = "#a0356d", "#2f7f86"
 
 
 def draw_cuts(marks: Iterable[CutMark], axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw sections as lines with an arrow at the end, strips as bands, with their names."""
+    """Draw sections as lines that end with an arrow, and strips as bands; write their names."""
     entries: dict[str, Entry] = {}
     for mark in marks:
         strip = mark.borders is not None
@@ -134,15 +134,15 @@ _NAME, _SINGULAR = "#5d6b78", "#d6006c"
 _INWARD = 8.0
 """Distance from an edge to the middle of its name [points]."""
 _FEW = 60
-"""Largest number of singular points with rings; more have dots."""
+"""Largest number of singular points that are marked by rings; more points are marked by dots."""
 _MAX_WORDS = 3
-"""Largest number of kinds of singularities that the legend lists."""
+"""Largest number of kinds of singularities in the legend; more are only counted."""
 _ALONG_EDGE = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
-"""Candidate positions of the name of an edge, from its middle, in fifths of its length."""
+"""Candidate positions of an edge's name, as distances from the edge's middle; 1 is a fifth of the edge's length."""
 
 
 def draw_edges(marks: Iterable[EdgeMark], labels: Labels) -> None:
-    """Write the names of edges along them, inside the plate, if there is space."""
+    """Write the name of each edge along the edge, inside the plate; leave out names without space."""
     for mark in marks:
         along = np.array(mark.along)
         x, y = along / max(float(np.hypot(*along)), 1e-300)
@@ -152,7 +152,7 @@ def draw_edges(marks: Iterable[EdgeMark], labels: Labels) -> None:
 
 
 def draw_singular(marks: Sequence[SingularMark], axes: Axes) -> list[Entry]:
-    """Mark singular points and lines; return the legend entries."""
+    """Mark points and lines at which moments, shears or pressures are singular; return the legend entries."""
     entries: list[Entry] = []
     for limited, means in ((False, "no limit as the mesh is refined"), (True, "too small for this mesh")):
         selected = [mark for mark in marks if mark.limited == limited]
@@ -176,16 +176,19 @@ def draw_singular(marks: Sequence[SingularMark], axes: Axes) -> list[Entry]:
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _ARROW = 22.0
-"""Length of the arrow towards a resultant outside the picture [points]."""
+"""Length of the arrow that points to a resultant outside the picture [points]."""
 _MAX_NAMED = 8
-"""Largest number of combinations with names; of more, only unbalanced ones have names."""
+"""Largest number of combinations that are all named; if there are more, only unbalanced ones are named."""
 
 _NEAR = 0.02
-"""Distance of resultants that share a label, relative to the picture's size."""
+"""Largest distance of resultants that share a label, relative to the picture's size."""
 
 
 def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw the resultant of each combination; of many combinations only a few have names."""
+    """Draw the resultant of the loads of each combination; if there are many, only some are named.
+
+    Return the legend entries.
+    """
     named = [*marks] if len(marks) <= _MAX_NAMED else [mark for mark in marks if mark.unbalanced][:_MAX_NAMED]
     entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, labels)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
@@ -205,13 +208,13 @@ def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> l
 
 
 def _away(at: Floats, axes: Axes) -> Floats:
-    """Distances of points (k, 2) from the picture; 0 inside."""
+    """Distances (k,) of points (k, 2) from the picture; 0 for points inside."""
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     return np.asarray(np.hypot(*(at - np.clip(at, low, high)).T))
 
 
 def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
-    """Merge marks at nearly the same point, whose names would overlap."""
+    """Merge resultants at nearly the same point into one mark with all names, since the names would overlap."""
     near = _NEAR * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     groups: list[list[BalanceMark]] = []
     for mark in marks:
@@ -230,7 +233,7 @@ def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
 
 
 def _draw(mark: BalanceMark, axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw a resultant as a crossed square, outside the picture as an arrow; draw its tipping axis dash-dotted."""
+    """Draw a resultant as a crossed square, outside the picture as an arrow; its tipping axis is dash-dotted."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T

@@ -15,30 +15,30 @@ from signorini.plot.marks import LEGEND_SIZE, Entry, draw_legend
 from signorini.plot.plan import INK, Plan, literal, put_label, set_window, wrapped
 
 _WIDEST, _TALLEST = 5.6, 7.6
-"""Largest width and height of a plan [inches]."""
+"""Largest width and height of a plan on its page [inches]."""
 _WIDTH_IN_ROW = 3.4
-"""Largest width of each of several plans in a row [inches]."""
+"""Largest width of a plan if several plans are side by side [inches]."""
 _WIDE = 1.7
-"""Largest width over height of plans in a row; wider plans are stacked."""
+"""Largest ratio of width to height of plans side by side; wider plans are stacked."""
 _SMALLEST = (1.6, 0.8)
 """Smallest width and height of a plan [inches]."""
 _LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
 """Distances [inches]: left of the first plan, between plans, below a plan, from plan to colour bar, width of the bar,
 right of the bar for its numbers, height of a line of text."""
 _TITLE = 0.4
-"""Inches above a plan for its title and for the label of an extreme at the upper edge."""
+"""Height above a plan for its title and for the label of an extreme at the upper edge [inches]."""
 _TALLEST_BAR = 5.0
 """Largest height of a colour bar [inches]."""
 _NARROWEST, _SAMPLES = 4.2, 1.1
-"""Smallest width of a page, and width of the samples of a legend [inches]."""
+"""Smallest width of a page; width of a legend that its sample symbols need [inches]."""
 _TITLE_SIZE = 11.0
 """Font size of titles [points]."""
 _TICKS = 0.6
-"""Approximate distance of the numbers of an axis [inches]."""
+"""Approximate distance between the numbers along an axis [inches]."""
 
 
 class Page:
-    """A figure with its parts at fixed positions in inches; no layout pass is needed."""
+    """A figure whose parts have fixed positions in inches, so that matplotlib need not compute a layout."""
 
     def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1, titles: bool = False) -> None:
         low, high = plan.window
@@ -62,16 +62,16 @@ class Page:
                 axis.set_label_text(f"{name}{unit}", fontsize=9)
             put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
             put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
-            # In a row only the first plan has the numbers of the y axis.
+            # If plans are side by side, only the first has numbers on the y axis.
             axes.yaxis.set_visible(place % self._columns == 0)
         self._place()
 
     def artists(self) -> list[Artist]:
-        """All artists of the plans and of the page."""
+        """All drawn objects of the plans and of the page."""
         return [artist for part in (*self.plans, self.figure) for artist in part.get_children()]
 
     def make_room(self, title: str, words: Sequence[str]) -> None:
-        """Increase the page, if necessary, for a title above and a legend below."""
+        """Increase the page, if necessary, for a title above the plans and a legend with the texts ``words`` below."""
         lines = self._title(title).count("\n") + 1 if title else 0
         self._above = max(self._above, 0.12 + _LINE * lines)
         heights = [0.165 * (self._words(part).count("\n") + 1) + 0.035 for part in words]
@@ -80,7 +80,7 @@ class Page:
         self._place()
 
     def finish(self, title: str, entries: list[Entry]) -> None:
-        """Draw the title above and the legend below."""
+        """Draw the title above the plans and the legend below them."""
         self.make_room(title, [words for words, _ in entries])
         across, up = self._size
         if title:
@@ -98,7 +98,7 @@ class Page:
 
     @property
     def _pitch(self) -> NDArray[np.float64]:
-        """Distance between plans, horizontal and vertical [inches]."""
+        """Horizontal and vertical distance between corresponding corners of neighbouring plans [inches]."""
         return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1 + self._title_of_plan]))
 
     @property

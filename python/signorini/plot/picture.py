@@ -1,6 +1,6 @@
-"""The content of pictures as arrays, without matplotlib, for another process to draw.
+"""The content of pictures as arrays, without matplotlib, so that another process can draw it.
 
-Outlines (k, 2) have a row of NaN between their pieces. Texts appear in legends, except labels and titles.
+Pieces of outlines (k, 2) are separated by rows of NaN. Texts appear in legends, except labels and titles.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def _no_points() -> Floats:
 
 @dataclass(frozen=True)
 class SupportMark:
-    """A drawn support.
+    """A support in a picture.
 
-    Symbols at points: a triangle up pushes the plate up, a triangle down holds it down, a diamond does both. Along a
-    line ``clamped`` is hatched, ``hinged`` has circles, and ``symmetry`` is dash-dotted.
+    At points, a triangle that points up pushes the plate up, one that points down holds it down, and a diamond does
+    both. Along a line ``clamped`` is hatched, ``hinged`` has circles, and ``symmetry`` is dash-dotted.
     A ``perimeter`` of columns is dashed.
     """
 
@@ -40,17 +40,17 @@ class SupportMark:
     positions: Floats  # (k, 2): points, or the vertices of a line or outline
     closed: NDArray[np.bool_] | None = None  # (k,): filled if closed, hollow if open; None: unknown, or always held
     style: Style = "points"
-    boundary: Sequence[Floats] = ()  # edges of contact of an area, polylines (n, 2)
-    elastic: bool = False  # drawn with a spring, or as a zigzag line
-    gap: bool = False  # drawn with a bar before the mark
-    words: str = ""  # description; by default that of ``kind``
+    boundary: Sequence[Floats] = ()  # borders between contact and gap in an area, polylines (n, 2)
+    elastic: bool = False  # elastic support: points have a spring, a line is a zigzag
+    gap: bool = False  # support with a gap: a bar is drawn above the mark
+    words: str = ""  # description in the legend; by default that of ``kind``
     counts: tuple[int, int] | None = None  # numbers of closed and open points; by default counted in ``closed``
-    footprints: Floats = field(default_factory=_no_points)  # outlines of the footprints of the points
-    numbers: Sequence[str] = ()  # a label for each point
+    footprints: Floats = field(default_factory=_no_points)  # (k, 2): outlines of the footprints of points
+    numbers: Sequence[str] = ()  # label of each point of the support
 
     @property
     def label(self) -> str:
-        """The name, the description, and the numbers of closed and open points."""
+        """Legend text: the name, the description, and the numbers of closed and open points."""
         words = f"{self.name}: {self.words or ACTIONS.get(self.kind, self.kind)}"
         counts = self.counts
         if counts is None and self.closed is not None:
@@ -60,26 +60,26 @@ class SupportMark:
 
 @dataclass(frozen=True)
 class LoadMark:
-    """A drawn load: ⊗ a downward force, ⊙ an upward force, ⊙–⊗ a couple."""
+    """A load in a picture: ⊗ is a downward force, ⊙ an upward force, and ⊙–⊗ a couple."""
 
-    case: str  # loads of one case have one colour
+    case: str  # loads of a case have the same colour
     name: str
-    positions: Floats  # points, vertices of a line, or an outline; empty for the whole plate
+    positions: Floats  # (k, 2): points, vertices of a line, or an outline; empty for the whole plate
     style: Style = "points"
     upward: bool = False
     couple: tuple[float, float] | None = None
-    value: str = ""  # value with its unit
+    value: str = ""  # text of the load's value with its unit
     footprints: Floats = field(default_factory=_no_points)
 
     @property
     def label(self) -> str:
-        """The case, the name and the value."""
+        """Legend text: the case, the name and the value."""
         return f"{self.case}: {self.name}{', ' if self.value else ''}{self.value}"
 
 
 @dataclass(frozen=True)
 class ZoneMark:
-    """A zone: its description for the legend, and its outline."""
+    """A zone in a picture: its description for the legend, and its outline (k, 2)."""
 
     words: str
     outline: Floats
@@ -87,7 +87,7 @@ class ZoneMark:
 
 @dataclass(frozen=True)
 class CutMark:
-    """A section or a strip: its line, and the borders (2, n, 2) of a strip."""
+    """A section or a strip in a picture: its line (n, 2), and for a strip the two borders (2, n, 2)."""
 
     name: str
     line: Floats
@@ -96,7 +96,7 @@ class CutMark:
 
 @dataclass(frozen=True)
 class EdgeMark:
-    """The name of an edge, a point on it, and its direction with the plate on the left."""
+    """Name of an edge in a picture, a point on the edge, and its direction there with the plate on the left."""
 
     name: str
     at: Place
@@ -105,7 +105,10 @@ class EdgeMark:
 
 @dataclass(frozen=True)
 class SingularMark:
-    """Points (k, 2), or a line, at which numbers grow without limit; ``limited``: this mesh is too coarse there."""
+    """Points (k, 2), or a line, at which results are singular, that is, grow without limit as the mesh is refined.
+
+    ``limited`` results have a limit, but this mesh is too coarse for them.
+    """
 
     words: str
     places: Floats
@@ -115,7 +118,7 @@ class SingularMark:
 
 @dataclass(frozen=True)
 class BalanceMark:
-    """Position of a combination's resultant (None for a couple), and two points of its tipping axis."""
+    """Resultant of a combination's loads: its position, None for a couple; two points of the tipping axis."""
 
     name: str
     at: Place | None
@@ -126,41 +129,42 @@ class BalanceMark:
 
 @dataclass(frozen=True, eq=False)
 class PressureLayer:
-    """The pressure of one area on its elements.
+    """Contact pressure of one area support on the elements that it meets.
 
-    Pressures are drawn between ``bounds``, the range of the area; values outside mark a gap.
+    Pressures in ``bounds``, the range in the area, are drawn; other values mark the gap.
     """
 
     cut: Tessellation
-    values: Floats  # (v,) at the vertices, or (e,) one per element
+    values: Floats  # (v,) at the vertices of the triangles, or (e,) on the elements
     bounds: tuple[float, float]
-    outline: Floats | None = None  # None if the elements follow the outline of the area
+    outline: Floats | None = None  # (k, 2), clips the picture; None if the elements follow the outline of the area
 
     @property
     def an_element(self) -> bool:
-        """Whether there is one value per element."""
+        """Whether ``values`` has one pressure per element."""
         return len(self.values) == len(self.cut.elements)
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One field in a picture: values (n,) at nodes, or pressures of areas."""
+    """A field in a picture: values (n,) at nodes, or the pressures of areas."""
 
     values: Floats | Sequence[PressureLayer]
-    limits: tuple[float, float]  # range of the colours; includes 0 for pressures
-    label: str = ""  # label of the colour bar
-    colours: str = "RdBu"  # a diverging colour map
-    extremes: Sequence[tuple[str, Sequence[float]]] = ()  # labels and their points
+    limits: tuple[float, float]  # smallest and largest coloured value; for pressures the range includes 0
+    label: str = ""  # text beside the colour bar
+    colours: str = "RdBu"  # name of a diverging colour map of matplotlib
+    extremes: Sequence[tuple[str, Sequence[float]]] = ()  # label and point of each marked extreme
     title: str = ""
-    hatched: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (c, 3): x, y and radius of excluded discs
+    hatched: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (c, 3): x, y, radius of discs to hatch
 
 
 @dataclass(frozen=True, eq=False)
 class LineDiagram:
-    """Values (m, k) at stations (k, 2) of a line, drawn along normals (k, 2): one row, or largest and smallest values.
+    """Values (m, k) at stations (k, 2) of a line, drawn along normals (k, 2).
 
-    ``begins`` (k,) marks the first station of each connected run. ``words`` are labels, each with its station and
-    value; ``corner_words`` are labels of ``corners`` (c, 2). ``units`` are those of values and corners, in brackets.
+    There is one row of values (m = 1), or a row of the largest and a row of the smallest (m = 2). ``begins`` (k,) marks
+    the first station of each connected run. ``words`` are labels, each with its station and value; ``corner_words`` are
+    labels of the points ``corners`` (c, 2). ``units`` are the units of values and of forces at corners, in brackets.
     """
 
     positions: Floats
@@ -175,7 +179,10 @@ class LineDiagram:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of one result: panels with equal labels, limits and titles for each kind, or diagrams along lines."""
+    """A picture of one result: fields side by side, or diagrams along lines.
+
+    Pictures of one kind have panels with equal labels, limits and titles.
+    """
 
     panels: Sequence[Panel]
     marks: Sequence[SupportMark]
@@ -185,9 +192,10 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """Pictures of one kind and scale, with their files; ``rows`` is the number of rows of panels.
+    """Pictures of one kind and scale, and the file names; ``rows`` is the number of rows of panels.
 
-    With ``seen``, the positions of the nodes (n, 2) in each picture, they are oblique views, else plans.
+    With ``seen``, for each picture the drawn positions (n, 2) of the nodes, the pictures are oblique views; otherwise
+    plans.
     """
 
     files: Sequence[str]
@@ -197,21 +205,21 @@ class Sheet:
 
     @property
     def panels(self) -> int:
-        """Total number of fields to draw."""
+        """Number of fields to draw; a picture without fields counts as one."""
         return sum(len(picture.panels) or 1 for picture in self.pictures)
 
     @property
     def largest(self) -> float:
-        """Largest ordinate of all diagrams."""
+        """Largest absolute value of all diagrams."""
         values = [np.abs(diagram.values).max(initial=0.0) for picture in self.pictures for diagram in picture.diagrams]
         return float(max(values, default=0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """Pictures of one plate with nodes (n, 2) and elements (e, 8); ``left_out`` (e,) marks elements that are hatched.
+    """Pictures of one plate with nodes (n, 2) and elements (e, 8); ``left_out`` (e,) marks elements to hatch.
 
-    ``metadata`` are written to each file.
+    ``metadata`` is written to each file.
     """
 
     points: Floats

@@ -1,4 +1,4 @@
-"""Whole figures: fields of results, and models before they are solved."""
+"""Draw whole figures: fields of results, and models before they are solved."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ from signorini.plot.view import AXES, seen
 
 EXCLUDED = "excluded from extremes (singular)"
 _ABOVE = 18.0
-"""Distance [points] from a plan to its title; the label of an extreme at the upper edge is between them."""
+"""Distance from a plan to the title above [points]; the label of an extreme at the upper edge fits in between."""
 _SMALLEST_NUMBER = 2.5
-"""Smallest height of a node's number [points]."""
+"""Smallest font size of the number of a node [points]."""
 _LEVEL = "#9aa6b0"
 _ARROW = 0.07
-"""Length of the arrows along x and y, relative to the width of the view."""
+"""Length of the arrows along x and y in an oblique view, relative to the width of the view."""
 _MOST_NUMBERS = 5000
-"""Largest number of nodes whose numbers are drawn."""
+"""Largest number of nodes for which node numbers are drawn."""
 
 
 def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark]) -> list[Entry]:
@@ -65,7 +65,10 @@ def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark
 
 
 def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
-    """Draw a panel's colour bar, on the axes ``bar`` if given, and its title; return its scale."""
+    """Draw the title of a panel and its colour bar; return the colour scale.
+
+    The colour bar is drawn on the axes ``bar``; if None, on new axes beside ``axes``.
+    """
     scale = Scale.of(panel)
     add_colour_bar(axes, scale, panel.label, bar)
     if panel.title:
@@ -74,7 +77,7 @@ def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
 
 
 def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence[SupportMark]) -> list[Entry]:
-    """Draw field, extremes and supports of one result; return the legend entries."""
+    """Draw the field and extremes of a panel, and the supports; return the legend entries."""
     labels = Labels(axes)
     for mark in marks:
         if mark.style == "points" and len(mark.positions):
@@ -98,7 +101,7 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
 
 
 def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
-    """Hatch the discs that the extremes of a panel exclude; return their entry in the legend."""
+    """Hatch the discs that a panel's extremes exclude; return the legend entry, if there are discs."""
     look: dict[str, Any] = HATCHED | {"facecolor": "none", "edgecolor": INK, "alpha": 0.6}
     discs = [Circle((x, y), radius) for x, y, radius in panel.hatched.tolist()]
     axes.add_collection(PatchCollection(discs, zorder=2.1, **look), autolim=False)
@@ -106,7 +109,7 @@ def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
 
 
 def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
-    """Legend entries of dashed borders and hatched areas, if there are any."""
+    """Legend entries of dashed lines, where moments and shears jump, and of hatched elements, if there are any."""
     dashed = Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed")
     result: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
     if hatched and plan.left_out is not None and plan.left_out.any():
@@ -117,14 +120,14 @@ def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
 def field_picture(
     plan: Plan, panels: Sequence[Panel], marks: Sequence[SupportMark] = (), *, title: str = "", length: str = ""
 ) -> Figure:
-    """Draw fields side by side, each with the supports; return a figure whose first axes are the panels' plans."""
+    """Draw fields side by side, each with the supports; the first axes of the returned figure are the plans."""
     page, scales = _page(plan, panels, length)
     page.finish(title, _draw_fields(page, plan, panels, scales, marks))
     return page.figure
 
 
 def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> tuple[Page, list[Scale]]:
-    """Make a page with the colour bars and titles of panels; return it and the colour scale of each panel."""
+    """Make a page with the colour bars and titles of panels; return the page and the colour scale of each panel."""
     page = Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
     return page, [_frame(axes, panel, bar) for axes, panel, bar in zip(page.plans, panels, page.bars, strict=True)]
 
@@ -132,15 +135,15 @@ def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> tu
 def _draw_fields(
     page: Page, plan: Plan, panels: Sequence[Panel], scales: Sequence[Scale], marks: Sequence[SupportMark]
 ) -> list[Entry]:
-    """Draw fields and supports; return the entries of the legend, which are the same for every panel."""
+    """Draw the field of each panel with the supports; return the legend entries, which are equal for all panels."""
     entries = [_draw_on(*each, marks) for each in zip(page.plans, [plan] * len(panels), panels, scales, strict=True)]
     return entries[-1]
 
 
 def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
-    """Draw pictures of several results with equal labels, limits and titles (see `field_picture`); yield .png files.
+    """Draw pictures of several results (see `field_picture`); yield the content of a .png file for each.
 
-    The common parts, axes and colour bars, are drawn once.
+    The panels of all pictures have equal labels, limits and titles: axes and colour bars are drawn once.
     """
     if not pictures:
         return
@@ -150,7 +153,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         remarks = [*(words for words, _ in _remarks(plan)), *excluded]
         page.make_room(picture.title, [*legend_words(picture.marks), *remarks])
     page.figure.set_dpi(DOTS)
-    canvas: Any = page.canvas  # matplotlib leaves its methods without types
+    canvas: Any = page.canvas  # matplotlib has no types for the methods of a canvas
     canvas.draw()
     shared = canvas.copy_from_bbox(page.figure.bbox)
     before = set(map(id, page.artists()))
@@ -192,7 +195,7 @@ def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
 
 
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
-    """Draw the pictures of one plate; yield the name and content of each file."""
+    """Draw the pictures of a job; yield the name and the content of each file."""
     return ((name, with_texts(png, job.metadata)) for name, png in _drawn(job))
 
 
@@ -227,10 +230,11 @@ def check_picture(
     length: str = "",
     numbers: bool = False,
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports, loads and their totals, sections and strips.
+    """Draw a model before it is solved: mesh, supports, loads with their totals, sections and strips.
 
-    ``bedding`` has the stiffness of areas as layers. ``totals`` are texts with the totals of load cases. ``poorest`` is
-    the worst corner of an element with its text. ``numbers`` adds the node numbers, from 1.
+    The pressure layers of ``bedding`` have the stiffness of area supports as values. ``totals`` are texts with the
+    totals of load cases. ``poorest`` is the most distorted corner of an element with its text. ``numbers`` adds the
+    node numbers, from 1.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(
@@ -265,7 +269,7 @@ def check_picture(
 
 
 def _number_nodes(axes: Axes, plan: Plan) -> None:
-    """Write the node numbers, as large as the element size allows."""
+    """Write the number of each node, as large as the element size allows."""
     side = float(np.hypot(*(plan.nodes[plan.cells[:, 4]] - plan.nodes[plan.cells[:, 0]]).T).min())
     size = float(np.clip(0.35 * side * inches_per_unit(axes) * 72, _SMALLEST_NUMBER, 8.0))
     halo = [withStroke(linewidth=0.3 * size, foreground="white")]

@@ -27,29 +27,29 @@ from signorini.shapes.tessellation import Tessellation, tessellate
 INK = "#1c2733"
 _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
-"""Hatch of excluded areas."""
+"""Style of the hatching of elements that extremes exclude."""
 _FINE = 4000
 """Largest number of elements that are drawn with fine triangles. If there are more, each is drawn as two triangles."""
 _SAME = 1e-7
-"""Distance of equal points, relative to the plate's size: far above rounding."""
+"""Largest distance of points that coincide, relative to the plate's size: far above rounding."""
 _FAINTEST = 0.07
-"""Smallest opacity of element edges; fainter edges are not drawn."""
+"""Smallest opacity of drawn element edges; if it would be less, edges are not drawn."""
 _MARGIN = 0.04
-"""Margin around the plate, relative to its larger side."""
+"""Margin around the plate, relative to the longer side of the plate."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A mesh with the triangles, edges and outline that its pictures share."""
+    """A mesh in plan, with the triangles, edges and outline that all pictures use."""
 
-    nodes: Floats  # (n, 2)
-    cells: NDArray[np.int64]  # (e, 8)
-    left_out: NDArray[np.bool_] | None = None  # (e,): hatched in place of a field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points inside the window
+    nodes: Floats  # (n, 2): positions of the nodes
+    cells: NDArray[np.int64]  # (e, 8): node numbers of the elements
+    left_out: NDArray[np.bool_] | None = None  # (e,): elements to hatch, without a field
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points in the drawn window
 
     @cached_property
     def cut(self) -> Tessellation:
-        """Triangles of the whole plate."""
+        """Division of all elements into flat triangles."""
         return tessellate(self.cells, 1 if len(self.cells) > _FINE else None)
 
     @cached_property
@@ -59,7 +59,7 @@ class Plan:
 
     @cached_property
     def window(self) -> tuple[Floats, Floats]:
-        """Lower left and upper right corner of the plan."""
+        """Lower left and upper right corner of the drawn part of the plane."""
         vertices = np.concatenate([np.column_stack([self.triangles.x, self.triangles.y]), self.beside])
         low, high = vertices.min(axis=0), vertices.max(axis=0)
         margin = _MARGIN * float((high - low).max())
@@ -67,9 +67,9 @@ class Plan:
 
     @cached_property
     def edges(self) -> tuple[Path, Path, Path]:
-        """Edges between elements, the outline of the plate, and inner borders, where each side has its own nodes."""
+        """Edges between elements; the plate's outline; and inner borders, along which each side has its own nodes."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
-        # The two sides of a border have the same points in opposite order.
+        # Along a border the two elements have equal points in opposite order.
         steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
         ends = np.sort(steps[..., 0] + 1j * steps[..., 1], axis=1)
         _, which, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -79,27 +79,27 @@ class Plan:
 
 
 def triangulation(cut: Tessellation, nodes: Floats) -> Triangulation:
-    """Triangulation for matplotlib of a mesh or a part of it."""
+    """Convert triangles and node positions (n, 2) to a triangulation of matplotlib."""
     x, y = cut.interpolate(nodes).T
     made = Triangulation(x, y, cut.triangles)
-    # Otherwise matplotlib would check the triangles for each picture.
+    # Without this line matplotlib would check the triangles for each picture.
     made.is_delaunay = False
     return made
 
 
 def literal(text: str) -> str:
-    """Escape a text for matplotlib, where a dollar sign begins a formula."""
+    """Escape the dollar signs of a text, with which formulas of matplotlib begin."""
     return text.replace("$", r"\$")
 
 
 @cache
 def _width(text: str, size: float) -> float:
-    """Width of a text [inches]."""
+    """Width of a text with the font size ``size`` [inches]."""
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
 
 
 def wrapped(text: str, inches: float, size: float) -> str:
-    """Wrap a text at blanks to lines of a width; words wider than a line are divided."""
+    """Divide a text at blanks into lines of at most ``inches``; a longer word is divided anywhere."""
     lines = [""]
     for word in text.split(" "):
         joined = f"{lines[-1]} {word}" if lines[-1] else word
@@ -113,13 +113,13 @@ def wrapped(text: str, inches: float, size: float) -> str:
 
 
 def draw_sheet(axes: Axes, plan: Plan, colour: str = _SHEET) -> Path:
-    """Fill the plate with a pale colour, and return its outline with holes."""
+    """Fill the plate with a pale colour; return the outline of the plate with its holes."""
     drawn = axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[colour])
     return drawn.get_paths()[0]
 
 
 def draw_mesh(axes: Axes, plan: Plan) -> None:
-    """Draw the elements' edges, fainter the more there are."""
+    """Draw the edges of elements, fainter in finer meshes."""
     fade = 0.3 * min(1.0, (900 / len(plan.cells)) ** 0.5)
     if fade > _FAINTEST:
         look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.5, "alpha": fade}
@@ -127,7 +127,7 @@ def draw_mesh(axes: Axes, plan: Plan) -> None:
 
 
 def draw_outlines(axes: Axes, plan: Plan, hatched: bool = True) -> None:
-    """Draw the plate's outline, and the borders of zones dashed; hatch excluded areas."""
+    """Draw the plate's outline, and dashed the lines where moments and shears jump; hatch excluded elements."""
     _, outline, borders = plan.edges
     if hatched and plan.left_out is not None and plan.left_out.any():
         part = Triangulation(plan.triangles.x, plan.triangles.y, plan.cut.triangles[plan.left_out[plan.cut.parents]])
@@ -141,7 +141,7 @@ def draw_outlines(axes: Axes, plan: Plan, hatched: bool = True) -> None:
 
 
 def set_window(axes: Axes, plan: Plan) -> None:
-    """Set the limits of the axes, with equal scales."""
+    """Set the limits of the axes to the plan's window, with equal scales along x and y."""
     axes.set_aspect("equal")
     (x0, y0), (x1, y1) = plan.window
     axes.set_xlim(x0, x1)
@@ -158,20 +158,20 @@ def figure_of(axes: Axes) -> Figure:
 
 
 def put_label(axis: Axis, across: float, up: float, right: float, above: float) -> None:
-    """Place the label of an axis at a fixed offset [inches] from its axes; automatic placement is slow."""
+    """Place the label of an axis at fractions of the axes plus an offset [inches]; automatic placement is slow."""
     away = ScaledTranslation(right, above, figure_of(axis.axes).dpi_scale_trans)
     axis.set_label_coords(across, up, axis.axes.transAxes + away)
 
 
 def inches_per_unit(axes: Axes) -> float:
-    """Drawn size of a unit of length of the plate [inches]."""
+    """Length in the drawing [inches] of one unit of the plate's length."""
     size = axes.get_position(original=True).size * figure_of(axes).get_size_inches()
     spans = np.abs([np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]])
     return float((size / spans).min())
 
 
 def _joined(chains: Floats) -> Path:
-    """Put polylines (k, n, 2) into one path."""
+    """Join k polylines (k, n, 2) in one path."""
     codes = np.full(chains.shape[:2], Path.LINETO, Path.code_type)
     codes[:, 0] = Path.MOVETO
     return Path(chains.reshape(-1, 2), codes.ravel())
@@ -189,11 +189,12 @@ def pieces(outline: Floats) -> list[Floats]:
 
 
 def enclosed(outline: Floats) -> Path:
-    """The area enclosed by closed polylines (k, 2), separated by rows of NaN: the first without the others."""
+    """The area inside the first of several closed polylines and outside the others; rows of NaN separate them."""
     parts = []
     for number, loop in enumerate(pieces(outline)):
         (x, y), (u, v) = loop[:-1].T, loop[1:].T
-        # The outline is made counterclockwise and holes clockwise, so that the path excludes the holes.
+        # Reverse the loops so that the outline is counterclockwise and holes are clockwise: the path then excludes
+        # holes.
         turned = float(np.sum(x * v - y * u)) > 0.0
         codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
         parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
@@ -201,50 +202,55 @@ def enclosed(outline: Floats) -> Path:
 
 
 PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.6}
-"""Style of the background of text on colours."""
+"""Style of the white background of text on colours."""
 _LETTER, _LINE = 0.6, 1.25
-"""Width of a letter and height of a line, relative to the font size."""
+"""Assumed width of a letter and height of a line, relative to the font size."""
 _AROUND = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]], dtype=np.float64)
 _FAR = (5.0, 14.0, 26.0, 40.0)
 """Distances from a point to its label [points], in order of preference."""
 _LEADER = 10.0
-"""Smallest distance [points] of a label from its position with a line between them."""
+"""Smallest distance from a label to its point at which a line joins them [points]."""
 _APART, _MISTAKEN = 3.0, 400
-"""Distance [points] by which a label must be nearer to its own position than to others, and the cost if it is not."""
+"""Distance [points] by which a label must be nearer to its own point than to others; cost if it is not."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of covering text, of leaving the plan, and of covering marks; the eighth candidate position costs 1."""
+"""Costs of a label that covers text, leaves the plan, or covers marks. The choice of the eighth direction costs 1."""
 
 
 @dataclass(eq=False)
 class Labels:
-    """Text in axes with fixed limits; occupied boxes (k, 4) are in points from the lower left of the axes."""
+    """Places labels in axes with fixed limits so that they do not overlap.
+
+    ``words`` and ``marks`` are boxes (k, 4) that texts and marks occupy, in points from the lower left corner of the
+    axes.
+    """
 
     axes: Axes
     words: list[Floats] = field(default_factory=list)
     marks: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Measure the axes."""
+        """Compute scale and size of the axes in points."""
         self.scale = 72.0 * inches_per_unit(self.axes)
         (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
         self._corner = np.array([left, low])
         self._size = np.array([right - left, high - low]) * self.scale
 
     def points(self, at: ArrayLike) -> Floats:
-        """Convert positions (k, 2) of the plan to points from its lower left corner."""
+        """Convert positions (k, 2) of the plate to points from the lower left corner of the axes."""
         return np.asarray((np.atleast_2d(np.asarray(at, dtype=np.float64)) - self._corner) * self.scale)
 
     def keep_free(self, at: ArrayLike, size: float) -> None:
-        """Reserve squares of width ``size`` [points] at the positions (k, 2) of marks."""
+        """Reserve a square of width ``size`` [points] around each position (k, 2), where a mark is drawn."""
         middle = self.points(at)
         self.marks.append(np.hstack([middle - 0.5 * size, middle + 0.5 * size]))
 
     def beside(
         self, words: str, places: ArrayLike, size: float = 8.0, color: str = INK, others: ArrayLike = (), **look: Any
     ) -> None:
-        """Write a label at one of the candidate positions (k, 2), preferably the first; a distant label has a line.
+        """Write a label near one of the positions (k, 2), preferably the first; a line joins a distant label to it.
 
-        The label is not closer to ``others`` (r, 2), positions with other labels.
+        The label is nearer to its own position than to each of ``others`` (r, 2), the positions of other labels, if
+        possible.
         """
         at = np.atleast_2d(np.asarray(places, dtype=np.float64))
         extent = np.array([_LETTER * len(words), _LINE]) * size
@@ -267,7 +273,7 @@ class Labels:
     def along(
         self, words: str, places: ArrayLike, turns: Sequence[float], size: float, color: str = INK, **look: Any
     ) -> None:
-        """Write a text at one of the positions (k, 2), rotated there by ``turns``; skip it if no position is free."""
+        """Write a text at one of the positions (k, 2), rotated there by ``turns`` (k,) degrees, if one is free."""
         at, angle = np.atleast_2d(np.asarray(places, dtype=np.float64)), np.radians(turns)
         long, high = _LETTER * len(words) * size, _LINE * size
         cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
@@ -279,7 +285,11 @@ class Labels:
             turned.set(rotation=turns[best], **_look(size, color, look))
 
     def _best(self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False) -> int:
-        """Choose the box of least cost among centers (k, 2) [points]; -1 if ``free`` is required and impossible."""
+        """Choose and reserve the box of least cost; ``order`` (k,) is added to its cost.
+
+        The boxes have centers (k, 2) and sizes ``extent`` in points. Return the index of the box, or -1 if ``free`` is
+        True and it covers text.
+        """
         boxes = np.hstack([middles - 0.5 * extent, middles + 0.5 * extent])
         area = np.prod(np.broadcast_to(extent, middles.shape), axis=1)
         on_words = _covered(boxes, self.words) / area
@@ -294,7 +304,7 @@ class Labels:
 
 
 def _away(middles: Floats, extent: Floats, places: Floats) -> Floats:
-    """Distances (c,) of positions (c, 2) from boxes with centers ``middles`` (c, 2)."""
+    """Distance (c,) of each position (c, 2) from the box of size ``extent`` with center ``middles`` (c, 2)."""
     return np.asarray(np.hypot(*np.maximum(np.abs(places - middles) - 0.5 * extent, 0.0).T))
 
 
@@ -303,7 +313,7 @@ def _look(size: float, color: str, look: dict[str, Any]) -> dict[str, Any]:
 
 
 def _covered(boxes: Floats, taken: Sequence[Floats]) -> Floats:
-    """Areas (k,) of boxes (k, 4) covered by occupied boxes."""
+    """Area (k,) of each box (k, 4) that the boxes ``taken`` cover."""
     if not taken:
         return np.zeros(len(boxes))
     others = np.concatenate(taken)

@@ -1,4 +1,4 @@
-"""Oblique view of a plate with exaggerated deflections: positions in the picture, without matplotlib."""
+"""Positions of points of a plate in an oblique view with magnified deflections, without matplotlib."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import tessellate
 
 _TURNED, _RAISED = np.radians(30.0), np.radians(35.0)
-"""Rotation of the plan, and elevation of the eye [rad]."""
+"""Angle by which the plan is turned, and angle of the line of sight above the plate [rad]."""
 AXES: Final = np.array([[np.cos(_TURNED), np.sin(_TURNED)], [-np.sin(_TURNED), np.cos(_TURNED)]]) * [1, np.sin(_RAISED)]
-"""Vectors in the picture (2, 2) of unit lengths along x and y."""
+"""Images (2, 2) in the picture of the unit vectors along x and y, a row each."""
 _DOWN = np.array([0.0, -np.cos(_RAISED)])
 _TALLEST = 0.15
-"""Drawn size of the largest deflection, relative to the plate's size."""
+"""Height of the largest deflection in the picture, relative to the plate's size."""
 _UPRIGHT = 0.9
-"""Exaggeration factor, relative to that at which one part of the plate hides another."""
+"""Largest magnification of deflections, relative to that at which a part of the plate is hidden."""
 
 
 def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) -> Floats:
-    """Positions in the picture (k, 2) of points (k, 2) of the plate with deflections (k,) times ``factor``.
+    """Positions in the picture (k, 2) of points (k, 2) of the plate with their deflections (k,) times ``factor``.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) 
 
 
 def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Sequence[Floats]) -> float:
-    """Factor for deflections (n,) at nodes (n, 2) with which no part of the plate hides another.
+    """Common magnification of several deflections (n,) at nodes (n, 2): no part of the plate hides another.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Seque
 
     level = areas(seen(points))
     for w in deflections:
-        # The area of an element in the picture is linear in the factor; it is negative if the element is hidden.
+        # An element's area in the picture is linear in the magnification; it is negative if the element is hidden.
         change = areas(seen(points, w)) - level
         turning = change < 0.0
         factor = min(factor, _UPRIGHT * float((level[turning] / -change[turning]).min(initial=np.inf)))

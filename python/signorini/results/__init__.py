@@ -1,1 +1,1 @@
-"""Results: fields, reactions and contact of one load, or along a load path."""
+"""Results: fields, reactions and contact states of a plate under one load, or along a load path."""

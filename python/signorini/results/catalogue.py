@@ -1,4 +1,4 @@
-"""The catalogue of the numbers of a model's results."""
+"""The catalogue of a model: the list of the numbers that its results have."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from signorini.results.support_points import SupportPoints
 def catalogue_of(
     discretisation: Discretisation, fields: tuple[str, ...], part: Literal["all", "tables", "paths"] = "all"
 ) -> Catalogue:
-    """List the numbers of a model's results; ``fields`` are those with extremes. Computed once."""
+    """List the numbers of a model's results, computed once; ``fields`` are the fields whose extremes are listed."""
     points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
     counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
     corners = {index: len(line.corners) for index, line in lines_of(discretisation).items()}

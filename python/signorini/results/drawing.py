@@ -1,4 +1,4 @@
-"""Pictures of the fields of a result."""
+"""Pictures of the fields of one result."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def draw_field(
     limits: tuple[float, float] | None,
     plus_minus: Mapping[str, Any] | None,
 ) -> Axes:
-    """Draw a field as contours with the supports; `Result.plot` describes the arguments."""
+    """Draw a field as contours, and the supports; `Result.plot` describes the arguments."""
     from signorini.plot.marks import draw_legend
     from signorini.plot.pictures import draw_panel, field_picture
     from signorini.plot.plan import Plan

@@ -1,4 +1,4 @@
-"""Envelopes: largest and smallest values over many results, and the results that they come from."""
+"""Envelopes: largest and smallest values over many results, and the numbers of the results that have these values."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
-"""Factors of values, so that the largest and the smallest value both become the largest."""
+"""Factors for values: values times −1 have their largest value where the values are smallest."""
 NONE = -1
-"""Number that stands for "no result"."""
+"""Result number that stands for "no result"."""
 _GOVERNING = 12
-"""Largest number of results that count as governing."""
+"""Largest number of results that `Envelope.rows` lists."""
 _EQUAL = 1e-9
-"""Relative tolerance for equal numbers, relative to the largest of their kind."""
+"""Tolerance for equal values, relative to the largest value of their kind."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) over results, and the numbers of these results; of equal values the first.
+    """Largest and smallest values (n,) over results, and the numbers of the results that have these values.
 
-    Values are equal within 10⁻⁹ ``size`` (n,), the size of the largest value of their kind. Where ``size`` is 0, only
-    identical values are equal.
+    Among equal values the first result counts. Values are equal if they differ by at most 10⁻⁹ ``size`` (n,), where
+    ``size`` is the largest value of their kind. Where ``size`` is 0, only identical values are equal.
     """
 
     largest: Floats
@@ -49,19 +49,20 @@ class Extremes:
 
     @classmethod
     def none(cls, size: int) -> Extremes:
-        """Extremes over no result: −∞ and ∞."""
+        """Extremes over no result: −∞ and ∞ for each of ``size`` numbers."""
         who = np.full(size, NONE, dtype=np.int64)
         return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy(), np.zeros(size))
 
     @property
     def sides(self) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints]]:
-        """The largest values with their results, then the smallest values with their results."""
+        """Pairs of values and result numbers: first of the largest values, then of the smallest values."""
         return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
 
     def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
-        """Update with values (k, n) of results ``who`` (k,), in rising order; ``size`` is the largest of each kind.
+        """Extend the extremes by values (k, n) of results ``who`` (k,), which are in rising order.
 
-        Returns masks (n,) of the largest and of the smallest values that are new.
+        ``size`` is the largest value of each number's kind. Returns masks (n,) of the largest and of the smallest
+        values that changed.
 
         Examples
         --------
@@ -84,7 +85,7 @@ class Extremes:
         return new
 
     def meet(self, other: Extremes) -> list[Bools]:
-        """Merge other extremes; return masks (n,) of the largest and of the smallest values taken from them."""
+        """Extend the extremes by other extremes; return masks (n,) of the largest and smallest values that changed."""
         result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
@@ -97,17 +98,17 @@ class Extremes:
         return result
 
     def pick(self, which: Ints | slice) -> Extremes:
-        """Extremes of some of the numbers."""
+        """Extremes of the numbers with the indices ``which``."""
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def put(self, which: Ints | slice, some: Extremes) -> None:
-        """Replace the extremes of some of the numbers by ``some``."""
+        """Replace the extremes of the numbers with indices ``which`` by the extremes ``some``."""
         for one in fields(self):
             getattr(self, one.name)[which] = getattr(some, one.name)
 
     @property
     def ends(self) -> tuple[int, int]:
-        """Indices of the largest and of the smallest of all n numbers; of equal ones that of the first result."""
+        """Indices of the largest and the smallest value of all n numbers; of equal values that of the first result."""
         within = _EQUAL * self.size.max()
         high, low = (
             np.where(sign * of >= (sign * of).max() - within, by, np.iinfo(np.int64).max).argmin()
@@ -118,16 +119,17 @@ class Extremes:
     def take_sums(
         self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
     ) -> tuple[Floats, Ints]:
-        """Update with sums of vectors (b, n) with coefficients (k, b); return extremes and their nodes (k, 2).
+        """Extend the extremes by sums of vectors (b, n) with coefficients (k, b), of results ``who`` (k,).
 
-        The returned extremes exclude nodes of classes (n,) by ``left_out`` (k, c).
+        Returns the extremes (k, 2) of each sum over the nodes, and the nodes (k, 2) that have them. ``classes`` (n,) is
+        the class of each node; ``left_out`` (k, c) marks the classes that are excluded in each sum.
         """
         return _core.envelop(coefficients, vectors, who, *self.sides[0], *self.sides[1], classes, left_out)
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Largest and smallest value of a number over many results, and the numbers of these results."""
+    """Largest and smallest value of a quantity over many results, and the numbers of these two results."""
 
     max: float
     max_by: int
@@ -137,29 +139,32 @@ class Ends:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Envelope:
-    """Extremes over all results with an equilibrium, and the results that they come from."""
+    """Extremes over all results with an equilibrium, and the numbers of the results that have these extremes."""
 
     __repr__ = Brief.__repr__
 
     layout: Layout
-    values: Extremes  # extremes (n,) of every number of the layout's catalogue
-    places: Floats  # (f, 4, 2): positions of the extremes of each field and of its means, then of each plate's
-    # (2, e, b): reactions of all bearings at the largest and smallest value of each governed number of the layout
+    values: Extremes  # (n,): extremes of every number in the layout's catalogue
+    # (f, 4, 2): positions of the extremes of each field and of its means at singular points; then those for each plate
+    places: Floats
     beside: Floats
-    fields: dict[str, Extremes]  # at every node, by the field's name; "reaction" is the supports' force on nodes
-    # "contact_pressure" at nodes of elastic areas, "rigid_contact_pressure" on elements of rigid areas: numbers of the
-    # nodes or elements (k,), and the extremes there
+    """(2, e, b): reactions of all b bearings in the results with the largest and the smallest value of each of the e
+    numbers ``layout.governed``."""
+    # extremes of each field at every node, by name of the field; "reaction" is the force of the supports on nodes
+    fields: dict[str, Extremes]
     pressures: dict[str, tuple[Ints, Extremes]]
-    # By number of the support in the model: pressures of areas at `pressure_places`, or reactions of the points of
-    # other supports along lines.
+    """Numbers (k,) of nodes or elements, and the extremes there: "contact_pressure" at nodes of elastic areas,
+    "rigid_contact_pressure" on elements of rigid areas."""
     along: dict[int, Extremes]
-    on_lines: Extremes  # reactions per length and concentrated forces of all lines, as in `Layout.on_lines`
-    open_in: tuple[Ints, ...]  # for every support, number of results in which each point is open
-    lifted_in: tuple[Ints, ...]  # for every support, number of results in which the plate has lifted off each point
+    """Extremes by index of the support in the model: pressures of areas at `pressure_places`, or reactions of points
+    along lines."""
+    on_lines: Extremes  # extremes of reactions per length and concentrated forces of all lines, see `Layout.on_lines`
+    open_in: tuple[Ints, ...]  # for each support, the number of results in which each of its points is open
+    lifted_in: tuple[Ints, ...]  # for each support, the number of results in which the plate has lifted off each point
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
-        """Envelope over no result."""
+        """Envelope that contains no result yet."""
         names = list(layout.fields)
         if names and any(support.on_nodes for support in layout.model.support):
             names.append("reaction")
@@ -186,40 +191,40 @@ class Envelope:
         )
 
     def __getitem__(self, column: str) -> Ends:
-        """Extremes of the number in a column of the table."""
+        """Extremes of the number that is in a column of the table."""
         by_column = self.layout.catalogue.by_column
         at, of = by_column[key_of(column, by_column, "column", "This envelope")], self.values
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 
     def field(self, name: str, mean: str = "") -> Ends:
-        """Extremes of a field over all results and nodes, outside singular places.
+        """Extremes of a field over all results and all nodes outside singular places.
 
-        With ``mean`` "_mean" they are those of the means at singular places. With several plates the name "plate.field"
+        If ``mean`` is "_mean", the extremes of the means at singular points. With several plates the name "plate.field"
         is the field of one plate.
         """
         high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
 
     def places_of(self, name: str) -> Floats:
-        """Positions (2, 2) of the largest and the smallest value of a field, named as in `field`."""
+        """Positions (2, 2) of the largest and the smallest value of a field; ``name`` is as in `field`."""
         catalogue = self.layout.catalogue
         places: Floats = self.places[catalogue.numbers[catalogue.by_column[f"max:{name}"]].owner]
         return places
 
     def on(self, plate: OfWhole) -> Envelope:
-        """The envelope with fields at the nodes of one of several plates only."""
+        """The same envelope with only the fields of one of several plates."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
     def take_fields(self, result: ResultState, who: Ints) -> None:
-        """Update with the fields of result number ``who`` (1,)."""
+        """Extend the envelope by the fields of the result number ``who`` (1,)."""
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)
 
     def take(self, block: Block, rows: Ints) -> None:
-        """Update with the rows (k,) of a block whose results have an equilibrium."""
+        """Extend the envelope by the rows (k,) of a block, whose results have an equilibrium."""
         if not len(rows):
             return
         layout, values, who = self.layout, block.values[rows], block.numbers[rows]
@@ -244,7 +249,7 @@ class Envelope:
             self._take_areas(block, rows)
 
     def _take_areas(self, block: Block, rows: Ints) -> None:
-        """Update with the pressures of areas in the rows (k,) of a block."""
+        """Extend the envelope by the pressures of areas in the rows (k,) of a block."""
         layout, who = self.layout, block.numbers[rows]
         forces = [block.reaction[rows, layout.slices[index]] for index in layout.at_rest]
         for (index, area), force in zip(layout.at_rest.items(), forces, strict=True):
@@ -259,7 +264,7 @@ class Envelope:
             extremes.take(pressure, who, _size(pressure))
 
     def meet(self, other: Envelope) -> None:
-        """Merge another envelope, over other results."""
+        """Extend this envelope by another envelope of other results."""
         new = self.values.meet(other.values)
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
@@ -295,7 +300,10 @@ class Envelope:
 
 
 def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
-    """Yield for fields, then means: places (k,) of maxima (side 0) or minima, owners (k,), index in `ENDS`."""
+    """Yield indices (k,) of maxima (``side`` 0) or minima in the catalogue, owners (k,), and index in `ENDS`.
+
+    The first tuple is for fields, the second for means.
+    """
     homes: tuple[Home, Home] = ("field", "mean")
     for home, end in zip(homes, (side, side + len(SIDES)), strict=True):
         at = layout.catalogue.at(home, ENDS[end])
@@ -303,7 +311,7 @@ def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
-    """Largest magnitude (n,) in values (k, n) over all numbers of the same kind."""
+    """Largest magnitude (n,) over k results of all numbers that have the same kind as each number."""
     number_of = {kind: number for number, kind in enumerate(dict.fromkeys(kinds))}
     which = np.array([number_of[kind] for kind in kinds], np.int64)
     largest = np.zeros(len(number_of))
@@ -312,7 +320,7 @@ def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
 
 
 def _size(values: ArrayLike) -> float:
-    """Largest magnitude of values, ignoring NaN."""
+    """Largest magnitude of an array's values; NaN is ignored."""
     return float(np.fmax.reduce(np.abs(np.asarray(values, dtype=np.float64)), axis=None, initial=0.0))
 
 
@@ -320,35 +328,38 @@ Key = TypeVar("Key", str, float)
 
 
 class States(Remade, Generic[Key]):
-    """Results of one problem under several loads: table with a row for each load, envelope, and governing rows."""
+    """Results of one problem under several loads: a table with a row for each load, envelope, and governing rows."""
 
     problem: ContactProblem
 
     @property
     def discretisation(self) -> Discretisation:
-        """Mesh, supports and loads."""
+        """Mesh, supports and loads as arrays."""
         return self.problem.discretisation
 
     @property
     def model(self) -> Model:
-        """The model."""
+        """The model that was solved."""
         return self.discretisation.model
 
     @abstractmethod
     def key(self, row: int) -> Key:
-        """Key of a row of the table, counted from 0: the combination's name, or t."""
+        """Key of a row of the table, given the row's number from 0: the combination's name, or t."""
 
     @property
     @abstractmethod
     def table(self) -> Mapping[str, Column]:
-        """Every column by name, with a number or a text for each row; docs/results.md describes them. NaN is absent."""
+        """Columns of the table by name: a number or a text for each row; docs/results.md describes the columns.
+
+        Missing numbers are NaN.
+        """
 
     @property
     @abstractmethod
     def envelope(self) -> Envelope:
-        """Extremes over all rows with an equilibrium, and the numbers of the rows, from 0, that they come from."""
+        """Extremes over all rows with an equilibrium, and the numbers (from 0) of the rows that have these extremes."""
 
     @property
     def governing(self) -> tuple[Key, ...]:
-        """Keys of the rows with an extreme of a field, reaction or section, in that order; at most `_GOVERNING`."""
+        """Keys of the rows with an extreme of a field, reaction or section force; at most `_GOVERNING`."""
         return tuple(map(self.key, self.envelope.rows))

@@ -1,4 +1,4 @@
-"""A load path that follows every event of every contact point: segments, jumps, and ranges with several answers."""
+"""A load path with every event of every contact point: segments, jumps, and ranges of t with several right answers."""
 
 from __future__ import annotations
 
@@ -26,33 +26,33 @@ from signorini.results.result import Result
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Segment(Brief):
-    """Part of the path between two stops: no point opens or closes, so that the answer is linear in t."""
+    """Part of the path between two stops. No point opens or closes in it, so the answer is linear in t."""
 
-    begin: PathStop  # states at the two ends of the segment
+    begin: PathStop  # states of the plate at the begin and the end of the segment
     end: PathStop
-    pieces: Pieces  # (m,): pieces of their laws that contact points are on
+    pieces: Pieces  # (m,): piece of its law on which each contact point is
 
     @property
     def jumps(self) -> bool:
-        """Whether begin and end have the same t: the plate is no longer held, and moves until other points hold it."""
+        """Whether begin and end have the same t: the plate is not held, and moves until other points hold it."""
         return self.begin.t == self.end.t
 
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class ExactPath(LoadPath):
-    """A load path with a stop at every event of every contact point. Between two stops everything is linear in t.
+    """A load path with a stop at every event of every contact point; between two stops everything is linear in t.
 
-    There are also stops where supports begin to share a reaction in another ratio.
+    There are also stops at which redundant supports begin to distribute a reaction differently.
     """
 
     _first: Pieces | None = None
     _doubtful: tuple[int, ...] = ()
-    """Numbers of the segments on which several answers may be right."""
+    """Indices of the segments on which several answers may be right."""
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
-        """Segments between neighbouring stops."""
+        """Segments between successive stops."""
         assert self._first is not None
         pieces, result = self._first, []
         for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
@@ -63,9 +63,9 @@ class ExactPath(LoadPath):
 
     @cached_property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
-        """Ranges of t with several equally right answers, and the freedom there.
+        """Ranges of t in which several answers are right, and how these answers differ.
 
-        The stops show an answer that continues the path, `at` the least-norm one.
+        The stops have an answer that continues the path; `at` returns the least-norm answer.
         """
         result, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
         for segment in (self.segments[index] for index in self._doubtful):
@@ -80,13 +80,13 @@ class ExactPath(LoadPath):
         return tuple(stretches)
 
     def words(self, index: int) -> str:
-        """Describe the supports' changes at a stop, and jumps of the plate."""
+        """Describe how supports change at a stop, and whether the plate jumps."""
         jumps = index < len(self.segments) and self.segments[index].jumps
         moves = "the plate moves on its own until another support holds it"
         return "; ".join(part for part in (super().words(index), moves * jumps) if part)
 
     def _beside(self, t: float) -> Iterator[Floats]:
-        """Yield reactions (m,) in the middle of each segment that contains t, ends included."""
+        """Yield reactions (m,) at the middle of each segment that contains t or ends at t."""
         held = self.problem.discretisation.held.values
         for segment in self.segments:
             if segment.begin.t <= t <= segment.end.t and not segment.jumps:
@@ -102,12 +102,16 @@ class ExactPath(LoadPath):
     def _of_stops(self) -> Iterator[Result]:
         count = len(self.stops)
         for row, stop in enumerate(self.stops):
-            # The first of the two stops of a jump is the state before it, the second the state after.
+            # The first of the two stops of a jump has the state before the jump, the second stop the state after it.
             after = 0 < row < count - 1 and self.segments[row - 1].jumps
             yield self._on(stop.t, row if after else max(row - 1, 0), leading=True)
 
     def _on(self, t: float, segment: int, leading: bool) -> Result:
-        """Results at some t of a segment: of equally right answers the least, or one that continues the path."""
+        """Result at t on the contact state of a segment.
+
+        If several answers are right, the result has the least-norm answer or, if ``leading``, an answer that continues
+        the path.
+        """
         load = self._loads[0] + t * self._loads[1]
         discretisation = self.problem.discretisation
         assert self._first is not None
@@ -117,7 +121,7 @@ class ExactPath(LoadPath):
         methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(discretisation, load, answer, made_of)
         if not certificate.passed:
-            # Redundant supports share a reaction arbitrarily; one contact state does not determine the shares.
+            # The contact state does not determine how redundant supports distribute a reaction.
             tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
@@ -131,7 +135,7 @@ class ExactPath(LoadPath):
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
-    """Yield reactions (m,) on given pieces at a much larger t, whatever their signs; none if the pieces do not hold."""
+    """Yield reactions (m,) with given pieces at a much larger t, with any signs; none if the plate is not held."""
     start, add = (np.abs(load.nodal).max() for load in loads)
     far = t + max(t, start / add if start else 1.0)
     held = problem.discretisation.held.values

@@ -1,4 +1,4 @@
-"""Largest and smallest values of fields over the nodes, outside singular places."""
+"""Largest and smallest values of fields over the nodes, without nodes at singular places."""
 
 from __future__ import annotations
 
@@ -18,13 +18,15 @@ from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
-"""Relative tolerance for equal numbers: relative to a field's size, or to the distance between places."""
+"""Tolerance for equal numbers, relative to a field's size, and for equal coordinates, relative to the distance of the
+places.
+"""
 
 
 def peak(values: Floats, places: Floats) -> int:
-    """Index of the largest of values (n,); of values equal to rounding the one with the least x, then y.
+    """Index of the largest of values (n,); among values equal to rounding, of the one with the least x, then y.
 
-    Places are (n, 2). Values of minus infinity do not count.
+    ``places`` (n, 2) are the positions. Values of minus infinity do not count.
 
     Examples
     --------
@@ -42,16 +44,16 @@ def peak(values: Floats, places: Floats) -> int:
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes; of equal ones (to rounding) the one with the least x, then y."""
+    """Extremes of a field over the nodes; among values equal to rounding, at the node with the least x, then y."""
 
     max: float
     max_at: tuple[float, float]
-    # text for the singularity at which the field exceeds this extreme; else empty
+    # text for the singularity next to this extreme, at which the field is larger; otherwise empty
     max_beside: str
     min: float
     min_at: tuple[float, float]
     min_beside: str
-    # largest and smallest mean at singularities of this field, with place and width; NaN without one
+    # largest and smallest mean at singular points of this field, with position and width; NaN without singular points
     max_mean: float = math.nan
     max_mean_at: tuple[float, float] = (math.nan, math.nan)
     max_mean_width: float = math.nan
@@ -63,7 +65,7 @@ class FieldExtremes:
     def of(
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
-        """Find the extremes of a field at nodes (n,) that are ``away`` from the singularities of ``number``."""
+        """Find the extremes of a field at those nodes that are ``away`` (n,) from the singularities of ``number``."""
         places, counting = nodes.points[: len(values)], nodes.counting(len(values)) & ~np.isnan(values)
         if not counting.any():
             nowhere = (math.nan, (math.nan, math.nan), "")
@@ -80,7 +82,7 @@ class FieldExtremes:
 
 
 def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExtremes]:
-    """The extremes over several plates."""
+    """Extremes of each field over several plates."""
     result = {}
     for name in each[0]:
         most, least = (
@@ -99,14 +101,16 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
-"""Lines of `Beside` with the mean of a field, by the first part of its name; for other moments both lines."""
+"""Indices of the lines of `Beside` with means of a field, by the first part of its name. Other moments have both lines
+through the point.
+"""
 
 
 def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
-    """Return the largest and smallest mean (..., 2) of a field, and the indices (..., 2) of their places.
+    """Return the largest and the smallest mean (..., 2) of a field, and the indices (..., 2) of their points.
 
-    ``means`` (..., k, 10) are those of `means_of`; ``acting`` (..., k) marks places that are singular. Derived fields
-    are computed from the means. NaN and index 0 without such a place.
+    ``means`` (..., k, 10) are as in `means_of`; ``acting`` (..., k) marks the points that are singular. Derived fields
+    are computed from the means. Without a singular point the values are NaN and the indices 0.
     """
     peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
     moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
@@ -134,7 +138,7 @@ def extremes(
 ) -> dict[str, FieldExtremes]:
     """Find the extremes of the deflection, and of fields of moments and shears outside singular places.
 
-    Extremes of means are over the singular places.
+    Extremes of means are those over the singular points.
     """
     numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
@@ -147,7 +151,7 @@ def extremes(
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the places of `Beside`; ``acting`` (k,): singular in this result."""
+    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points with a singularity."""
 
     beside: Beside
     values: Floats
@@ -160,7 +164,7 @@ class Means:
         return cls(beside, means_of(discretisation, moment, shear), beside.under(cases))
 
     def ends(self, name: str) -> dict[str, Any]:
-        """Extremes of a field's means with their places and widths, as arguments of `FieldExtremes`."""
+        """Extremes of a field's means with positions and widths, as arguments of `FieldExtremes`."""
         result = dict[str, Any]()
         values, places = mean_ends(name, self.values, self.beside, self.acting)
         for side, value, place in zip(MEAN_SIDES, values.tolist(), places.tolist(), strict=True):
@@ -172,7 +176,7 @@ class Means:
 
     @cached_property
     def by_place(self) -> Mapping[tuple[float, float], dict[str, float]]:
-        """Means of moments and shears by place; of the means along two lines the one larger in size."""
+        """Means of moments and shears by position; of the means along two lines the larger in magnitude."""
         result: dict[tuple[float, float], dict[str, float]] = {}
         for (x, y), within, mean in zip(self.beside.places.tolist(), self.beside.within, self.values, strict=True):
             pairs = {"mx": mean[:1], "my": mean[4:5], "mxy": mean[[2, 5]], "qx": mean[6:8], "qy": mean[8:]}
@@ -183,6 +187,6 @@ class Means:
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
-    """Text for the nearest singularity of a number, such as "moment"."""
+    """Text for the nearest singularity of a result, such as "moment"."""
     those = [one for one in singular if one.excludes(number) and one.where]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -16,7 +16,7 @@ from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Return the keys of a combination in results.json that are its numbers; see docs/results.md."""
+    """Return the values of a combination's keys in results.json that are numbers of the result; see docs/results.md."""
     solved = result.status == "solved"
     ends = {name: _places(name, of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
@@ -36,13 +36,13 @@ def figures(result: Result) -> dict[str, Any]:
 
 
 def _of_plate(result: Result) -> dict[str, Any]:
-    """Positions of the extremes of one plate."""
+    """JSON of one of several plates: the positions of its extremes."""
     ends = {name: _places(name, of) for name, of in result.extremes.items()}
     return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
-    """Write the numbers (n,) of a catalogue into a tree of dicts and lists at their paths; NaN becomes None."""
+    """Write the numbers (n,) of a catalogue at their paths into a tree of dicts and lists; NaN becomes None."""
     for one, value in zip(catalogue, values.tolist(), strict=True):
         shown = None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
         at: Any = tree
@@ -56,7 +56,7 @@ def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str,
 
 
 def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
-    """Replace the numbers of a tree by half-widths: 0 for numbers of the input, None if no half-width is known."""
+    """Replace the numbers of a tree by their half-widths: 0 for numbers of the input, None if unknown."""
     match tree:
         case dict():
             return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}
@@ -70,7 +70,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
-"""Keys without half-widths: lists whose length depends on the mesh, and positions, which are not unique."""
+"""Keys without half-widths: lists whose length depends on the mesh, and positions, which may not be unique."""
 _GIVEN = {"at", "length", "width", *(f"{side}_width" for side in MEAN_SIDES)}
 
 
@@ -101,7 +101,10 @@ def columns_named(model: Model) -> list[dict[str, Any]]:
 
 
 def joints(result: Result) -> list[dict[str, Any]]:
-    """Sum preloads and reactions over the bolts of each joint: those that hold one plate, or the same two plates."""
+    """Sum preloads and reactions over the bolts of each joint.
+
+    Bolts that hold the same plate, or connect the same two plates, are one joint.
+    """
     groups: dict[object, list[SupportResult]] = {}
     for support, values in zip(result.model.support, result.supports, strict=False):
         if support.is_bolt:
@@ -118,10 +121,10 @@ def joints(result: Result) -> list[dict[str, Any]]:
 
 
 def _line(support: SupportResult) -> dict[str, Any]:
-    """JSON of a line: stations with the reaction per length, and with the couple of the side that begins there.
+    """JSON of a line: stations with the reaction per length, and with the couple of the element side that begins there.
 
-    Couples are those of edges that hold the slope. At the end of a run no side begins, and the couple is that of the
-    side before.
+    Couples are those of edges that hold the slope. At the last station of a run, where no side begins, the couple is
+    that of the side before.
     """
     edge, line = support.edge, support.line
     couples: dict[tuple[float, ...], dict[str, Any]] = {}
@@ -149,7 +152,7 @@ def _line(support: SupportResult) -> dict[str, Any]:
 
 
 def total(support: SupportResult) -> dict[str, Any]:
-    """JSON of a support as a whole."""
+    """JSON of the numbers that a support has as a whole, without those of its points."""
     return {
         "reaction": support.reaction,
         "closed": support.closed_count,
@@ -160,7 +163,7 @@ def total(support: SupportResult) -> dict[str, Any]:
 
 
 def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """Yield the JSON of each point of a support; for a held edge the consistent nodal forces."""
+    """Yield the JSON of each point of a support; for a held edge the reactions are consistent nodal forces."""
     columns = (support.positions.tolist(), support.reactions.tolist(), support.gaps.tolist(), support.states)
     for at, reaction, gap, state in zip(*columns, strict=True):
         point = {"at": at, "reaction": reaction, "gap": gap, "state": state}
@@ -168,7 +171,7 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
-    """JSON of sections and strips without the numbers of their catalogue."""
+    """JSON of names and positions of sections and strips; the numbers of their catalogue are added by `put`."""
     lines = [{"name": section.name, "length": section.length} for section in sections]
     return {"sections": lines, "strips": [_strip(strip) for strip in strips]}
 

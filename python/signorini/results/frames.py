@@ -14,7 +14,7 @@ from signorini.results.state import ResultState
 
 
 def numbers_frame(result: ResultState) -> Any:
-    """Return the numbers of a result as a `pandas.DataFrame`: value, unit and position by name."""
+    """Return the numbers of a result as a `pandas.DataFrame` with one row for each: value, unit and position."""
     units, places = result.model.units, [_place(result, one) for one in result.catalogue]
     columns = {
         "value": result.numbers,
@@ -26,7 +26,7 @@ def numbers_frame(result: ResultState) -> Any:
 
 
 def _place(result: ResultState, one: Number) -> tuple[float, float]:
-    """Position of a number of a result; NaN where it has none."""
+    """Position (x, y) to which a number of a result belongs; NaN if it has none."""
     own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
     places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
         "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),

@@ -31,25 +31,28 @@ from signorini.shapes import Ring
 from signorini.shapes.boxes import BoxTree
 
 CORNER = np.cos(np.radians(15.0))
-"""Largest cosine of the turning angle at a corner of a line. Quadratic sides of a circle turn by less than 1°."""
+"""Cosine of the smallest angle by which a line turns at a corner. Between quadratic sides of a circle the line turns by
+less than 1°.
+"""
 _APART = 2.0
 """Distance of stations along a line that cuts elements, relative to the element size. The line holds the mean
-deflection of each element, and the forces of neighbouring elements alternate.
+deflection of each element; the forces of neighbouring elements alternate.
 """
 _PARALLEL = 1e-9
-"""Relative tolerance for zero eigenvalues, which occur if all points on a rigid zone are on a straight line."""
+"""Largest eigenvalue that counts as zero, relative to the largest one. It occurs if all points on a rigid zone are on a
+straight line.
+"""
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
-"""Length of a zone at the end of a line, relative to the plate's thickness h, and its largest value, relative to the
-line's length.
-
-Mindlin's plate spreads the concentrated force at the end over a boundary layer of width δ = 0.32 h.
+"""Length of the zone at the end of a line in which the reaction per length is extrapolated: relative to the plate's
+thickness h; and its largest value, relative to the line's length. Mindlin's plate spreads the concentrated force at the
+end over a boundary layer of width δ = 0.32 h.
 """
 _WIDTH, _SEEN = 10.0**-0.5, 2.65
-"""Width δ of the boundary layer relative to the thickness, and the factor of the resolved part, as in
-``accuracy/layers.py``.
+"""Width δ of the boundary layer relative to the thickness h, and the factor 2.65 in the resolved part x tanh(1/x), x =
+2.65 h/s, for element size s.
 """
 _NEIGHBOURS = 3
-"""Number of stations beyond the zone that determine the parabola of extrapolation."""
+"""Number of stations beyond the zone that determine the extrapolated parabola."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +75,13 @@ class Pieces:
         if sides is not None:
             tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
             return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
-        assert where.curve is not None  # supports off edges are along a line or a circle
+        assert where.curve is not None  # supports that are not edges are along a line or a circle
         parts = []
         for arc, stops, elements in curve_pieces(mesh, where.curve):
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
             for on in _runs_of(elements >= 0):
                 own = stops[on[0] : on[-1] + 2]
-                # A piece of a circle is at most a third of the circle, so that its ends differ.
+                # A piece of a circle is at most a third of the circle, so that the ends of the piece differ.
                 turns = 3.0 * (own[-1] - own[0]) / (stops[-1] - stops[0]) if isinstance(where.curve, Ring) else 1.0
                 count = max(1, round(turns), int((own[-1] - own[0]) / size))
                 wanted = np.linspace(own[0], own[-1], count + 1)
@@ -89,10 +92,10 @@ class Pieces:
         return cls(ends, tangents, lengths, None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
-        """Order the pieces in smooth runs, each in the direction of its first piece.
+        """Order the pieces in smooth runs; all pieces of a run have the direction of its first piece.
 
-        Returns also the vertices (k, 2) at the ends of pieces, and a mask (v,) of smooth vertices. Ends nearer than
-        ``near`` are one vertex.
+        Returns the pieces, the vertices (k, 2) at the ends of each piece, and a mask (v,) of the vertices at which the
+        line is smooth. Ends nearer than ``near`` are one vertex.
         """
         places = self.ends.reshape(-1, 2)
         pairs = BoxTree(np.hstack([places - near, places + near])).pairs(places)
@@ -125,7 +128,7 @@ class Pieces:
         return result, np.where(turn[:, None], vertices[:, ::-1], vertices), smooth
 
     def locate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Find the piece (q,) nearest to each point (q, 2), and the point's coordinate (q,) from 0 to 1 along it."""
+        """Find the piece (q,) nearest to each point (q, 2), and the point's coordinate (q,) along it, from 0 to 1."""
         begin, along = self.ends[:, 0], self.ends[:, 1] - self.ends[:, 0]
         reach = self.lengths.max()
         boxes = np.hstack([self.ends.min(axis=1) - reach, self.ends.max(axis=1) + reach])
@@ -140,11 +143,11 @@ class Pieces:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Line:
-    """Stations (k,) along the line of a support, and matrices from its forces to reactions per length there.
+    """Stations (k,) along the line of a support, and matrices from the support's forces to reactions per length.
 
     ``vertex`` (k,) is the vertex 0 ≤ vertex < v of each station; where the line turns a corner, one vertex has two
-    stations. ``lengths`` (k,) are the parts of the line that stations represent, ``normals`` (k, 2) point to the right.
-    ``pieces`` (k,) are those that begin at the stations, −1 at the end of a run.
+    stations. ``lengths`` (k,) are the parts of the line that stations represent, ``normals`` (k, 2) point to the right
+    of the line. ``pieces`` (k,) are the numbers of the pieces that begin at the stations, −1 at the end of a run.
     """
 
     positions: Floats
@@ -154,19 +157,22 @@ class Line:
     vertex: Ints
     pieces: Ints
     sides: Ints | None
-    forces: csr_array  # (v, p): maps the forces of the support's points to forces at vertices
-    couples: csr_array | None  # (v, 2n): maps couples on θx, θy of nodes to forces at vertices, if the twist is held
-    extrapolated: csr_array  # (k, k): maps means at stations to reactions per length, by extrapolation at ends
-    beside: Ints  # (k,): for a station in a layer, a station beyond it; else the station itself
-    zones: csr_array  # (c, v): 1 at the vertices in the layer of each corner
-    corners: Floats  # (c, 2): positions of corners and ends with a concentrated force
+    forces: csr_array  # (v, p): maps the forces of the support's points to forces at the vertices
+    # (v, 2n): maps couples on θx and θy of nodes to forces at the vertices; None unless the support holds the twist
+    couples: csr_array | None
+    # (k, k): maps means at stations to reactions per length, which are extrapolated at ends of the line
+    extrapolated: csr_array
+    # (k,): for each station in the zone of an end, a station beyond this zone; for other stations the station itself
+    beside: Ints
+    zones: csr_array  # (c, v): 1 at the vertices in the zone of each corner with a concentrated force
+    corners: Floats  # (c, 2): positions of the corners and ends that have a concentrated force
     one_sided: bool
-    points_s: Floats  # (p,): length of the line up to each point of the support
+    points_s: Floats  # (p,): length along the line from its beginning to each point of the support
 
     @staticmethod
     @kept
     def of(discretisation: Discretisation, index: int) -> Line:
-        """Stations of the line of support number ``index``, computed once."""
+        """Stations and matrices of the line of support number ``index``, computed once."""
         support, mesh = discretisation.model.support[index], discretisation.mesh
         pieces, vertices, smooth = Pieces.of(discretisation, index).in_runs(mesh.near.place)
         goes_on = (vertices[:-1, 1] == vertices[1:, 0]) & smooth[vertices[:-1, 1]]
@@ -183,7 +189,7 @@ class Line:
         on, t = pieces.locate(SupportPoints.of(discretisation, index).positions)
         layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
         if "twist" in support.fixed:
-            # There is no boundary layer where two edges that hold the twist meet.
+            # Where two edges that hold the twist meet, there is no boundary layer.
             held = sides_that_hold_turns(discretisation.model, mesh)[:, [0, 2]]
             meeting = np.append(np.bincount(held.ravel(), minlength=mesh.node_count), 0)
             layer[meeting[mesh.nodes_at(pieces.ends[piece, end])] > 1] = 0.0
@@ -214,10 +220,10 @@ class Line:
         )
 
     def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
-        """Reactions per length (..., k) and concentrated forces (..., c).
+        """Reactions per length (..., k) at stations, and concentrated forces (..., c) at corners and ends.
 
-        ``forces`` (..., p) are the forces of the support's points, ``couples`` (..., v) the contributions of couples at
-        vertices.
+        ``forces`` (..., p) are the forces of the support's points, ``couples`` (..., v) the forces at vertices that
+        represent twisting couples.
         """
         at_vertices = (self.forces @ forces.T).T + (0.0 if couples is None else couples)
         whole = np.bincount(self.vertex, self.lengths)
@@ -226,7 +232,7 @@ class Line:
         next_to = mean[..., self.beside]
         per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
-            # Concentrated forces P and reactions per length r have the sign of the reaction.
+            # Reactions per length and concentrated forces must have the sign of the support's reaction.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
         np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
@@ -234,7 +240,7 @@ class Line:
 
 
 def lines_of(discretisation: Discretisation) -> dict[int, Line]:
-    """Lines of supports by their number in the model; a line between two plates is on the upper one."""
+    """Lines of supports by index of the support in the model; a line between two plates is that on the upper plate."""
     result = {}
     for plate in discretisation.members:
         for index, support in enumerate(plate.own.model.support):
@@ -257,19 +263,20 @@ class LineReactions(Remade):
     normals : (k, 2) array
         Unit normals of the line, to its right; outward on edges.
     s : (k,) array
-        Length of the support up to each station.
+        Length of the support from its beginning to each station.
     lengths : (k,) array
         Length of the line that each station represents.
     reactions : (k,) array
-        Reaction per length.
+        Reaction per length at each station.
     begins : (k,) bool array
-        Mask of the stations that begin a run, a smooth part of the line that ends before the next begin.
+        Mask of the stations at which a run begins. A run is a smooth part of the line; its last station is the one
+        before the next begin.
     corners : (c, 2) array
         Corners and ends of the line, at which a rigid support without limit has a concentrated force.
     corner_reactions : (c,) array
         Concentrated forces at ``corners``.
     points_s : (p,) array
-        Length of the support up to each of its points.
+        Length of the support from its beginning to each of its points.
 
     Examples
     --------
@@ -298,7 +305,7 @@ class LineReactions(Remade):
 
     @classmethod
     def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
-        """Combine the stations of a line with its reactions per length (k,) and concentrated forces (c,)."""
+        """Combine the stations of a line with reactions per length (k,) and concentrated forces (c,)."""
         begins = np.append(True, line.pieces[:-1] < 0)
         return cls(
             positions=line.positions,
@@ -324,22 +331,22 @@ class LineReactions(Remade):
 
     @property
     def max_per_length_at(self) -> tuple[float, float]:
-        """Position (x, y) of the largest reaction per length; of equal ones (to 1e-9) the least x, then y."""
+        """Position (x, y) of the largest reaction per length; of equal values (to 1e-9) the least x, then y."""
         x, y = self.positions[peak(self.reactions, self.positions)].tolist()
         return x, y
 
     @property
     def min_per_length_at(self) -> tuple[float, float]:
-        """Position (x, y) of the smallest reaction per length, chosen in the same manner."""
+        """Position (x, y) of the smallest reaction per length; of equal values (to 1e-9) the least x, then y."""
         x, y = self.positions[peak(-self.reactions, self.positions)].tolist()
         return x, y
 
 
 def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
-    """Matrix (v, p) from the forces of a support's points to forces at vertices, linear along each piece.
+    """Matrix (v, p) from the forces of a support's p points to forces at v vertices, linear along each piece.
 
-    In a rigid zone only the resultant and the moments of the reactions are known: there the reaction per length is
-    assumed linear. Forces of points that can let go are not changed.
+    In a rigid zone only the resultant and the moments of the reactions are determinate: there the reaction per length
+    is assumed to be linear. Forces of points that can open are not changed.
     """
     points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
     on, t = pieces.locate(points.positions)
@@ -372,27 +379,27 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
 
 
 def _body(bodies: Bodies, nodes: Ints) -> Ints:
-    """Leading nodes of the rigid zones of nodes (q,); −1 outside rigid zones."""
+    """Leading nodes (q,) of the rigid zones that contain nodes (q,); −1 for nodes outside rigid zones."""
     return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
 
 
 def _runs_of(which: Bools) -> list[Ints]:
-    """Runs of consecutive indices at which a mask is True."""
+    """Arrays of consecutive indices at which a mask (k,) is True, one for each run."""
     (numbers,) = np.nonzero(which)
     return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 
 
 def _concentrates(support: Support) -> bool:
-    """Whether a support can carry a concentrated force: a rigid one without limit."""
+    """Whether a support can have a concentrated force: it is rigid and has no limit."""
     return not support.is_elastic and not support.has_pieces
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
     """Matrix (k, k) from means at stations to reactions per length, by `_at_end` at ends of runs not ``smooth`` (k,).
 
-    ``layer`` (k,) is the thickness that causes a boundary layer, 0 without one. The second array (k,) is the station at
-    which the force of each station is concentrated, −1 away from ends. The third (k,) is the station with which each is
-    compared.
+    ``layer`` (k,) is the thickness that causes a boundary layer at a station, 0 without layer. The second array (k,)
+    is, for a station in the zone of an end, the station of the end, −1 for others. The third (k,) is the station whose
+    mean bounds the reaction per length of each station.
     """
     count = sum(len(run) + 1 for run in runs)
     result, toward, beside = eye_array(count, format="lil"), np.where(smooth, -1, np.arange(count)), np.arange(count)
@@ -413,9 +420,9 @@ def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floa
 def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
     """Columns (m,) and weights (z, m): reactions per length at the first z stations from means at m stations.
 
-    The pieces have these ``lengths``. If the layer is longer than the first piece, the parabola through stations beyond
-    it is extrapolated. In a shorter layer the force Q has its centroid at e = δ/h₀ of the first piece, and adds eQ to
-    the second station too.
+    ``lengths`` are those of the pieces. If the layer is longer than the first piece, the parabola through stations
+    beyond the layer is extrapolated. In a shorter layer the concentrated force Q has its centroid at the distance e h₀
+    from the end, with e = δ/h₀ and the length h₀ of the first piece. So eQ is part of the force at the second station.
     """
     s = np.append(0.0, np.cumsum(lengths))
     reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
@@ -437,7 +444,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
-    """Weights (n,) of the means at stations ``near`` that give the mean at ``station`` exactly for polynomials."""
+    """Weights (n,) of the means at n stations ``near`` that give the mean at ``station`` exactly for polynomials."""
     every = [station, *near]
     before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
     s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
@@ -451,7 +458,7 @@ def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
 def _force_pairs(
     discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
 ) -> csr_array | None:
-    """Matrix (v, 2n): forces ±C/h at the ends of each side, for the couple C about the normal that holds its twist."""
+    """Matrix (v, 2n): forces ±C/h at the ends of each side of length h, for the couple C that holds its twist."""
     if (sides := pieces.sides) is None:
         return None
     mesh, held = discretisation.mesh, discretisation.held.bodies.inside
@@ -464,9 +471,10 @@ def _force_pairs(
 
 
 def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bools) -> csr_array:
-    """Matrix (k, 2n) from couples on nodes to means per length on sides (k, 3), along directions (k, 3, 2).
+    """Matrix (k, 2n) from couples on n nodes to their means per length on sides (k, 3), along directions (k, 3, 2).
 
-    A nodal couple is spread over the length that its node represents. Only nodes ``alone`` (k, 3) contribute.
+    A nodal couple is spread over the length that its node represents. Only nodes in the mask ``alone`` (k, 3)
+    contribute.
     """
     length = side_lengths(mesh, sides)
     whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
@@ -481,7 +489,7 @@ def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bool
 
 
 def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
-    """Mask (k, 3) of the nodes of sides at which no other held side meets, except a straight continuation."""
+    """Mask (k, 3) of the nodes of sides at which no other held side ends, except a straight continuation."""
     tangents = quadratic_tangents(mesh, sides)
     _, once = np.unique(held[:, 1], return_index=True)
     meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))

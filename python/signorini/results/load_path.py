@@ -1,4 +1,4 @@
-"""A load path: stops, named events, thresholds, and the result at any t."""
+"""A load path: stops, named events, thresholds, and the result at any t on the path."""
 
 from __future__ import annotations
 
@@ -35,13 +35,15 @@ if TYPE_CHECKING:
     from signorini.plot.curves import Figure
 
 AT_LIMIT = 1e-6
-"""Relative tolerance for t at the limit of equilibrium, where the last contact sets hardly hold the plate."""
+"""Distance from the limit of equilibrium at which t counts as at the limit, relative to the limit. There, the plate can
+almost move in every contact state.
+"""
 
 _DRAWN = 2.0
-"""Largest ratio of deflection to thickness that is drawn: beyond it the theory does not hold."""
+"""Largest ratio of deflection to thickness that is drawn; the theory does not hold for larger deflections."""
 
 _AFTER = 2.0
-"""Ratio of the end of the drawing to the t of the last event, if the path has no other end."""
+"""If the path has no other end, ratio of the last t that is drawn to the t of the last event."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -54,27 +56,30 @@ class LoadPath(States[float]):
     Parameters
     ----------
     start : str or None
-        The load at t = 0; None is no load.
+        Name of the load case or combination at t = 0; None if there is no load at t = 0.
     add : str
-        The load that grows. Both are names of cases or combinations.
+        Name of the load case or combination that is multiplied by t.
     problem : ContactProblem
     stops : tuple of PathStop
-        Stops at t = 0, at every sample, named event and threshold, and at the end.
+        Stops at t = 0, at every sample, named event and threshold, and at the end of the path.
     ending : str
-        Why the path ends: "until": at the t asked for; "no_more_events": no event at any larger t; "no_equilibrium":
-        no reactions balance a larger load; "stopped": no certified answer, ``mesh_limit``, or interruption.
+        Why the path ends. "until": the requested t is reached. "no_more_events": no event occurs at any larger t.
+        "no_equilibrium": no reactions balance a larger load. "stopped": no answer was certified, ``mesh_limit`` was
+        reached, or the user interrupted.
     limit : float
-        The largest t for which reactions balance the load; infinite if there is none.
+        Largest t at which reactions balance the load; infinite if every t has such reactions.
     mesh_limit : float
-        As ``limit``, for reactions at the contact points of this mesh, which are within the supports' outlines.
+        Largest t at which reactions at the contact points of this mesh balance the load. These points are within the
+        supports' outlines.
     certificate : Certificate
         Largest value of each certificate error over all stops.
     support_events : tuple of PathEvent
-        Events of the supports: points open or close; lines and areas begin to, have done so, or pass a quarter.
+        Events of the supports: a point opens or closes; a line or area begins to open or close, has opened or closed,
+        or has a quarter, half or three quarters closed.
     thresholds : tuple of Threshold
-        Thresholds asked for with ``when``, and the t at which they are reached.
+        Thresholds that ``when`` requests, with the t at which each is reached.
     interrupted : bool
-        Whether the path was cut short by the user; its stops are certified.
+        Whether the user interrupted the path; the stops up to there are certified.
     options : mapping
         The arguments of `signorini.path`, by name.
     """
@@ -95,17 +100,17 @@ class LoadPath(States[float]):
 
     @property
     def mesh(self) -> Mesh:
-        """The mesh."""
+        """The mesh of the plate."""
         return self.discretisation.mesh
 
     @property
     def method(self) -> Method:
-        """The method that is tried first at every stop."""
+        """The method that is tried first for every stop."""
         return self.problem.method
 
     @property
     def name(self) -> str:
-        """Text for the load."""
+        """Text for the load, such as "G + t Q"."""
         return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
 
     @property
@@ -115,7 +120,7 @@ class LoadPath(States[float]):
 
     @property
     def ends_with_the_mesh(self) -> bool:
-        """Whether the path stops because contact points of the mesh, but not yet outlines, fail to balance the load."""
+        """Whether the path ends because contact points of the mesh cannot balance the load, but outlines could."""
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @cached_property
@@ -132,7 +137,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def mechanism(self) -> str:
-        """Text for the motion at the end of equilibrium, such as "tips about the line x = 2"; else empty."""
+        """Text for the motion at the end of equilibrium, such as "tips about the line x = 2"; otherwise empty."""
         if self.ending != "no_equilibrium":
             return ""
         discretisation, freedom = self.discretisation, self.problem.freedom
@@ -142,12 +147,12 @@ class LoadPath(States[float]):
 
     @property
     def events(self) -> tuple[PathStop, ...]:
-        """Stops at which contact points open or close, if the path follows every contact point; else empty."""
+        """Stops at which contact points open or close; empty unless the path follows every contact point."""
         return tuple(stop for stop in self.stops if stop.switched)
 
     @property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
-        """Ranges between stops with several equally right answers, and the freedom there."""
+        """Ranges of t between stops in which several answers are right, and how these answers differ."""
         result: dict[tuple[NotUnique, int], tuple[float, float]] = {}
         for row, stop in enumerate(self.stops):
             for one in stop.not_unique:
@@ -161,12 +166,12 @@ class LoadPath(States[float]):
 
     @property
     def table(self) -> Mapping[str, Column]:
-        """Columns by name, a row for each stop: t, event, and the columns of a table of combinations."""
+        """Columns by name, with a row for each stop: t, event, and the columns as in a table of combinations."""
         return self._tabulated[0]
 
     @property
     def envelope(self) -> Envelope:
-        """Extremes over the stops."""
+        """Extremes of every number over the stops."""
         return self._tabulated[1]
 
     @cached_property
@@ -185,7 +190,7 @@ class LoadPath(States[float]):
         return together([block.columns(layout, keys)]), envelope
 
     def _of_stops(self) -> Iterator[Result]:
-        """Results at all stops, in their order."""
+        """Yield the results at all stops, in the order of t."""
         return (self._result(stop.t) for stop in self.stops)
 
     def words(self, index: int) -> str:
@@ -199,7 +204,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def events_at(self) -> Mapping[int, Sequence[int]]:
-        """Numbers of the named events at a stop, by its number."""
+        """Numbers of the named events at each stop; the keys are the numbers of the stops."""
         result: dict[int, list[int]] = {}
         for number, event in enumerate(self.support_events):
             result.setdefault(event.row, []).append(number)
@@ -207,7 +212,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def reached_at(self) -> Mapping[int, Sequence[int]]:
-        """Numbers of the thresholds that are reached at a stop, by its number."""
+        """Numbers of the thresholds that are reached at each stop; the keys are the numbers of the stops."""
         result: dict[int, list[int]] = {}
         at = {stop.t: row for row, stop in enumerate(self.stops)}
         for number, one in enumerate(self.thresholds):
@@ -216,7 +221,7 @@ class LoadPath(States[float]):
         return result
 
     def _repr_html_(self) -> str:
-        """Show the events in a notebook."""
+        """Show a table of the events in a notebook."""
         rows = [
             (f"{stop.t:.6g}", words, stop.utmost, stop.reactions.tolist())
             for index, stop in enumerate(self.stops)
@@ -225,7 +230,7 @@ class LoadPath(States[float]):
         return path_table([support.name for support in self.model.support], rows, self.model.units)
 
     def plot(self) -> Figure:
-        """Draw over t reactions of supports and of their points, pressures, closed parts, deflections and named events.
+        """Draw reactions of supports and points, pressures, closed parts, deflections and named events over t.
 
         Deflections are those at the probes or, without probes, the extremes.
 
@@ -270,7 +275,7 @@ class LoadPath(States[float]):
 
     @property
     def _drawn(self) -> float | None:
-        """The t at which deflections leave the drawn range, if that is after the first event."""
+        """The t at which deflections exceed the drawn range; None if that is before the first event, or never."""
         thickness = bending_thickness(self.discretisation)
         places = np.array(
             [stop.smallest_at if stop.utmost == stop.smallest else stop.largest_at for stop in self.stops]
@@ -284,12 +289,12 @@ class LoadPath(States[float]):
 
     @property
     def _last(self) -> float | None:
-        """End of the drawn range of t of a path with a known last event: afterwards the answer is linear in t."""
+        """End of the drawn range of t, if the last event is known and the answer is linear in t after it."""
         events = self.support_events
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
     def at(self, t: float) -> Result:
-        """Result at some t, with its certificate: the answer that `solve` gives.
+        """Result at t, with its certificate: the answer that `solve` gives.
 
         Raises
         ------
@@ -300,14 +305,14 @@ class LoadPath(States[float]):
         """
         t = arguments.number(t, "t")
         open_ended = self.ending == "no_more_events"
-        # The last event may be a rounding short of the limit.
+        # Rounding may place the last stop slightly before the limit.
         end = max(self.end, self.limit) if self.ending == "no_equilibrium" else self.end
         if not (0 <= t <= end or (open_ended and end < t < np.inf)):
             raise InputError(f"t is {t:g}; the path goes from 0 to {'infinity' if open_ended else f'{end:.12g}'}.")
         return self._result(t)
 
     def load_at(self, t: float) -> Combination:
-        """Load at some t, as factors of the load cases."""
+        """Load at t, as factors of the load cases."""
         factors = dict[str, float]()
         for name, times in ((self.start, 1.0), (self.add, t)):
             for case, factor in factors_named(self.discretisation, name).items():
@@ -320,14 +325,14 @@ class LoadPath(States[float]):
 
 
 def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:
-    """Factors of the cases of a named load: a case or, without a case of that name, a combination; empty for None."""
+    """Factors of load cases in a named load: a load case or, if none has the name, a combination; empty for None."""
     if name is None or name in discretisation.cases:
         return {} if name is None else {name: 1.0}
     return next(one.factors or {} for one in discretisation.model.effective_combinations if one.name == name)
 
 
 def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
-    """Result of a problem at some t, if the answer is certified."""
+    """Result of a problem under the load at t; raises `NotCertifiedError` if the answer is not certified."""
     result, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:
@@ -338,6 +343,6 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
-    """Both parts of the load at t, whose sum is certified (see `certify`), at a t at which both parts count."""
+    """Both parts of the load, at t or at another t at which both parts count; `certify` needs them."""
     start, add = (float(np.abs(load.nodal).max()) for load in loads)
     return loads[0], max(t, start / add if start and add else 1.0) * loads[1]

@@ -1,4 +1,4 @@
-"""Results at places of the plate: points, profiles along lines, sections and strips."""
+"""Results at places of the plate: probes, profiles along lines, sections and strips."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class ProbeResult:
     pressure : float or None
         Contact pressure of area supports, positive up; None without an area support at the point.
     thickness : float
-        Thickness of a solid plate, of the thinner side of a jump; NaN if a stiffness is given instead.
+        Thickness of a solid plate; at a jump, of the thinner side. NaN if the input gives a stiffness in place of a
+        solid section.
     """
 
     at: tuple[float, float]
@@ -58,9 +59,9 @@ class ProbeResult:
 
     @property
     def design_moment(self) -> dict[str, tuple[float, float]]:
-        """Moments for which reinforcement along x and y is designed: bottom ≥ 0, top ≤ 0.
+        """Moments for which reinforcement along x and y is designed: "bottom" ≥ 0, "top" ≤ 0.
 
-        By `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
+        They follow from `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
         """
         bottom_x, bottom_y, top_x, top_y = design_moments(np.array(self.moment)).tolist()
         return {"bottom": (bottom_x, bottom_y), "top": (top_x, top_y)}
@@ -88,7 +89,7 @@ class ProbeResult:
 
 
 def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), pressures (q,), NaN without an area, and thickness (q,)."""
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,)."""
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
     return tuple(
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
@@ -97,15 +98,15 @@ def probe_results(positions: Floats, fields: Floats, pressures: Floats, thicknes
 
 
 def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
-    """Interpolate fields (s, f) to positions (q, 2): values (q, f); where a field jumps, the value larger in size."""
+    """Interpolate fields (s, f) to positions (q, 2): values (q, f); where a field jumps, the larger in magnitude."""
     sides = nodes.sides(positions, where)
     return sides.larger(nodes.at(sides, fields))
 
 
 def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
-    """Sum (q,) of the pressures of areas at positions (q, 2) on the plate; NaN without an area.
+    """Sum (q,) of the pressures of areas at positions (q, 2) on the plate; NaN where there is no area.
 
-    On the common border of areas that only touch, it is the pressure of one of them.
+    On the common border of areas that only touch, the value is the pressure of one of these areas.
     """
     if not areas or not len(positions):
         return np.full(len(positions), np.nan)
@@ -125,7 +126,8 @@ class ProfileResult:
         Distance of each station from the beginning of the line.
     at : (k, 2) array
     values : dict of (k,) arrays
-        Every field by name, and the pressure of area supports, positive up; NaN off the plate or the areas.
+        Every field by name, and the pressure of area supports, positive up. Fields are NaN off the plate, the pressure
+        also off the areas.
     """
 
     name: str
@@ -134,7 +136,7 @@ class ProfileResult:
     values: Mapping[str, Floats]
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the row of each station, by column; None where a value is missing."""
+        """Yield the row of each station: its values by column; None where a value is missing."""
         columns = {"distance": self.distance, "x": self.at[:, 0], "y": self.at[:, 1], **self.values}
         for row in zip(*(column.tolist() for column in columns.values()), strict=True):
             yield {name: None if np.isnan(value) else value for name, value in zip(columns, row, strict=True)}
@@ -146,7 +148,7 @@ def profile_results(
     nodes: StressNodes,
     areas: Sequence[AreaContact],
 ) -> tuple[ProfileResult, ...]:
-    """Interpolate fields, (n,) or (s,), to the stations of profiles."""
+    """Interpolate fields, (n,) at nodes or (s,) at stress nodes, to the stations of profiles."""
     table = np.column_stack([nodes.spread(values) for values in fields.values()])
     result = []
     for profile in profiles:
@@ -162,7 +164,7 @@ def profile_results(
 
 
 def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:
-    """Locate the points (k, 2) that are on the plate; also return their mask (k,)."""
+    """Locate those of the points (k, 2) that are on the plate; also return their mask (k,)."""
     where = mesh.locate(at)
     return Location(where.elements[where.inside], where.xi[where.inside]), where.inside
 
@@ -175,13 +177,13 @@ class SectionResult:
     ----------
     name : str
     length : float
-        Length of the line on the plate.
+        Length of the part of the line that is on the plate.
     moment : float
-        Integral of the moment that bends fibres across the line, mnn, positive when it sags.
+        ∫ mnn ds of the moment that bends fibres across the line, positive where the plate sags.
     twist : float
-        Integral of the twisting moment mns, n to the right of the line and s along it.
+        ∫ mns ds of the twisting moment; n points to the right of the line, s along the line.
     shear : float
-        Integral of qn: force on the left part, positive down, equal to the reactions minus the loads on this part.
+        ∫ qn ds: force on the left part, positive down. It equals the reactions minus the loads on this part.
         Loads and reactions on the line itself count half on either side.
 
     Examples
@@ -213,9 +215,9 @@ class StationResult:
     Parameters
     ----------
     at : (x, y)
-        Position on the strip's line.
+        Position of the station on the strip's line.
     width : float
-        Width of the strip at the station, without holes.
+        Width of the strip on the plate at the station; holes are subtracted.
     moment, twist, shear : float
         Means per length of mnn, mns and qn; n is along the strip, s to its left.
     """
@@ -261,14 +263,14 @@ class StripResult:
 
 
 class SectionsAndStrips(TypedDict):
-    """Sections and strips as arguments of a result."""
+    """Keyword arguments of a result for its sections and strips."""
 
     sections: Listed[SectionResult]
     strips: Listed[StripResult]
 
 
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
-    """Results of sections and strips from the numbers (3s,) of `Discretisation.through`."""
+    """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]

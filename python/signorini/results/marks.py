@@ -1,4 +1,4 @@
-"""Marks and panels of pictures: supports, loads, zones and places of a model as marks, fields as panels."""
+"""Marks and panels of pictures: supports, loads, zones and places of a model as marks, fields as panels of pictures."""
 
 from __future__ import annotations
 
@@ -46,15 +46,16 @@ from signorini.singularities.singularity import Singularity
 
 _AROUND = 180
 _MOST_EDGES = 40
-"""Largest number of edges whose names are drawn; outlines of chords have hundreds."""
+"""Largest number of edges whose names are drawn; outlines made of chords have hundreds of edges."""
 _MOST_NUMBERS = 100
-"""Largest number of points of supports whose numbers are drawn."""
+"""Largest number of points of supports that are numbered in a picture."""
 _SAME = 1e-9
-"""Relative tolerance for equal x of edges' places, relative to the plate's size."""
+"""Largest difference of x at which positions of edge names count as equal, relative to the plate's size."""
 _ALONG = 200
-"""Number of pieces into which a line is divided; each is drawn as open or closed as the nearest contact point."""
+"""Number of parts into which a line is divided; each part is drawn as open or closed, as its nearest contact point is.
+"""
 _SOIL = "BrBG_r"
-"""Colour map for the stiffness of bedding."""
+"""Colour map for the stiffness of elastic areas."""
 _BREAK = np.full((1, 2), np.nan)
 _Style = Literal["points", "line", "area"]
 _STYLES: dict[str, _Style] = {"at": "points", "area": "area"}
@@ -69,13 +70,13 @@ def support_mark(
     numbers: Sequence[str] = (),
     words: str = "",
 ) -> SupportMark:
-    """Mark of a support at positions (k, 2); ``closed`` (k,) is their state, None before the solution.
+    """Mark of a support at positions (k, 2); ``closed`` (k,) is whether they are closed, None before the solution.
 
-    ``numbers`` are drawn beside its points, ``words`` behind its kind.
+    ``numbers`` are drawn beside the positions, ``words`` follow the support's kind in the legend.
     """
     style = _STYLES.get(support.place, "line")
     if support.fixed:
-        closed = None  # it never lets go
+        closed = None  # this support never opens, so it has no states
     counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
@@ -104,9 +105,9 @@ def support_mark(
 
 
 def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[str]]:
-    """Names of the points of supports at points, as in tables: the number from 1 if only one support has points.
+    """Names of the points of supports at points, as in tables: only the number from 1 if just one support has points.
 
-    If there are more than a hundred points, they have no names.
+    If there are more than a hundred points, the names are empty.
     """
     pointed = [count if one.place == "at" else 0 for one, count in zip(supports, counts, strict=True)]
     alone = sum(count > 0 for count in pointed) == 1
@@ -118,7 +119,7 @@ def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[st
 
 
 def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
-    """Write gap, preload and order of a support's points: text common to all points, and the texts of each point."""
+    """Texts with gap, preload and tightening order: one common to all points of a support, and one for each point."""
     same, each = "", [""] * len(positions)
     for key, kind, values in written_at(support, positions):
         unit = getattr(units, kind, "")
@@ -139,7 +140,7 @@ def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged"
 
 
 def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> PressureLayer:
-    """Pressure layer of an area support; ``pressure`` replaces its own: (n,) at nodes, (ne,) if rigid."""
+    """Pressure layer of an area support; ``pressure``, (n,) at nodes or (ne,) if rigid, replaces the area's own."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     covered = area.support.where.region
@@ -152,7 +153,7 @@ def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> Pressur
 
 
 def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
-    """Marks of the supports of a model that is not solved; points with their gaps, preloads and orders."""
+    """Marks of the supports of a model that is not solved; points are labelled with gaps, preloads and orders."""
     marks, model = [], discretisation.model
     places = [SupportPoints.of(discretisation, index).positions for index in range(len(model.support))]
     numbers = _numbers(model.support, [len(one) for one in places])
@@ -170,7 +171,7 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
 
 
 def bedding_panel(discretisation: Discretisation) -> Panel | None:
-    """Panel of the stiffness of areas with a stiffness that varies; None without such an area."""
+    """Panel of the stiffness of areas whose stiffness varies in x and y; None without such areas."""
     mesh, model = discretisation.mesh, discretisation.model
     layers, known = [], []
     for support in model.support:
@@ -191,7 +192,7 @@ def bedding_panel(discretisation: Discretisation) -> Panel | None:
 
 
 def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
-    """Marks of the zones of a model, with their properties in the legend."""
+    """Marks of the zones of a model; their properties are in the legend."""
     marks = []
     for zone in discretisation.model.zone:
         parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
@@ -206,17 +207,17 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
 
 def cut_marks(model: Model) -> list[CutMark]:
-    """Marks of the sections and the strips of a model."""
+    """Marks of the sections and strips of a model, as lines in the picture."""
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
-        # Lines across a strip run from its right to its left.
+        # Lines across a strip run from the strip's right to its left.
         borders = np.array(strip.across).transpose(1, 0, 2)[::-1]
         marks.append(CutMark(strip.name, np.array(strip.line), borders))
     return marks
 
 
 def load_marks(discretisation: Discretisation) -> list[LoadMark]:
-    """Marks of the loads of a model, with the case's name and the kind in the legend."""
+    """Marks of the loads of a model; name of the load case and kind of load are in the legend."""
     marks = []
     for load in discretisation.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
@@ -243,7 +244,7 @@ def load_marks(discretisation: Discretisation) -> list[LoadMark]:
 
 
 def _under(mesh: Mesh, load: Load) -> Floats:
-    """Places (k, 2) on the plate at which a load acts, for its range of values; the ends of lines are included."""
+    """Positions (k, 2) on the plate at which a load's values are taken for its range, ends of lines included."""
     if load.at is not None:
         return np.array(load.at)
     if load.place == "area" and load.where.region is None:
@@ -256,7 +257,7 @@ def _under(mesh: Mesh, load: Load) -> Floats:
 
 
 def _value(load: Load, sizes: Floats, units: Units) -> str:
-    """Text for the size of a load with its unit, without a sign: the mark shows the direction."""
+    """Text for the magnitude of a load with its unit; its mark shows the direction."""
     unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
     if load.couple_about is not None:
         axes = ((axis, getattr(load.couple_about, axis)) for axis in ("x", "y"))
@@ -274,7 +275,7 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
-    """Sums of the forces of each load case that does not move, or of its couples if it has no force, as texts."""
+    """Texts with the sum of forces of each load case that does not move; for a case without forces, of couples."""
     units, sums = discretisation.model.units, {}
     motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
@@ -293,7 +294,7 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
     """Marks with the names of edges, before the middle of each edge, where no values of loads are drawn.
 
-    If there are too many names, those of the sides of holes are left out, or else all.
+    If there are too many names, those of the sides of holes are left out; if there are still too many, all.
     """
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
@@ -309,25 +310,25 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
-    """Marks of the places of singularities."""
+    """Marks of singularities: their points and lines."""
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 
 
 def _prints(item: Support | Load) -> Floats:
-    """Outlines (k, 2) of the footprints of points; a row of NaN between them."""
+    """Outlines (k, 2) of the footprints of a support's or load's points; a row of NaN is between two outlines."""
     outlines = [part for shape in item.where.footprints for part in (_BREAK, _loops(shape))]
     return np.concatenate(outlines or [np.zeros((0, 2))])
 
 
 def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[float, float]) -> Floats:
-    """Outline (5, 2) of a wheel's print."""
+    """Outline (5, 2) of a footprint ``patch`` at a point; ``along`` is the direction of its length."""
     corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * patch
     (tx, ty) = along
     return np.asarray(at + corners @ np.array([[tx, ty], [-ty, tx]]))
 
 
 def drawn(mesh: Mesh, where: Where) -> Floats:
-    """Vertices (k, 2) of the points, edges, line, circle or area's outline of ``where``; NaN rows between pieces."""
+    """Vertices (k, 2) of the points, edges, line, circle or area's outline of ``where``; NaN rows between parts."""
     if where.points:
         return np.array(where.points)
     if where.edges:
@@ -343,7 +344,7 @@ def drawn(mesh: Mesh, where: Where) -> Floats:
 
 
 def _divided(line: Floats) -> Floats:
-    """Insert vertices in a polyline (k, 2) so that it has about `_ALONG` equal pieces."""
+    """Insert vertices into a polyline (k, 2), so that about `_ALONG` parts of equal length result."""
     steps = np.hypot(*np.diff(line, axis=0).T)
     longest = float(np.nansum(steps)) / _ALONG
     if not longest > 0:
@@ -356,7 +357,7 @@ def _divided(line: Floats) -> Floats:
 
 
 def _around(mesh: Mesh) -> Floats:
-    """Outline (k, 2) of the plate; a row of NaN between pieces."""
+    """Outline (k, 2) of the plate; a row of NaN between its closed curves."""
     sides = mesh.sides.reshape(-1, 3)
     _, first, uses = np.unique(sides[:, 1], return_index=True, return_counts=True)
     outer = sides[first[uses == 1]]
@@ -365,7 +366,7 @@ def _around(mesh: Mesh) -> Floats:
 
 
 def _chained(mesh: Mesh, name: str) -> Floats:
-    """Vertices of an edge of the mesh, side after side."""
+    """Vertices (k, 2) of an edge of the mesh, from side to side."""
     pieces: list[Floats] = []
     last = -1
     for nodes in mesh.edges[name].tolist():
@@ -375,7 +376,7 @@ def _chained(mesh: Mesh, name: str) -> Floats:
 
 
 def _loops(shape: Region) -> Floats:
-    """Closed outlines (k, 2) of a region; the first point of each is repeated at its end, NaN rows between them."""
+    """Closed outlines (k, 2) of a region: each ends with its first point; rows of NaN are between outlines."""
     first, *others = (np.concatenate([loop, loop[:1]]) for loop in shape.loops)
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
@@ -400,7 +401,7 @@ def perimeter_marks(lines: Sequence[Floats]) -> list[SupportMark]:
 
 
 def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> Picture:
-    """Convert a picture of a deflection from plan to view: marks and extremes move onto the deflected plate."""
+    """Convert a picture of a deflection from plan to oblique view: marks and extremes move onto the deflected plate."""
 
     def on(places: Floats) -> Floats:
         where = mesh.locate(np.nan_to_num(places, nan=np.inf))
@@ -457,19 +458,22 @@ def panel(
 
 
 def discs(excluded: Iterable[Singularity]) -> Floats:
-    """Discs (c, 3) around singularities: x, y and radius."""
+    """Discs (c, 3) around singularities in which values are excluded: x, y and radius."""
     places = [(*at, one.within) for one in excluded if one.within for at in one.where]
     return np.array(places, np.float64).reshape(-1, 3)
 
 
 _NONE = 1e-9
-"""Smallest concentrated force that is written, relative to the total of the line."""
+"""Smallest concentrated force that is labelled, relative to the line's total reaction."""
 
 
 def line_diagram(
     support: SupportResult, line: LineReactions, units: Units, widths: Mapping[str, Any] | None = None
 ) -> LineDiagram:
-    """Diagram of a support's reactions per length; the largest of each run is labelled, with half-widths if known."""
+    """Diagram of a support's reactions per length; the largest value of each run is labelled.
+
+    The label has the half-width if it is known.
+    """
     told, ends = widths is not None, dict[int, float | None]()
     for side, sign in (("max", 1.0), ("min", -1.0)):
         ends[peak(sign * line.reactions, line.positions)] = None if widths is None else widths[f"{side}_per_length"]
@@ -490,7 +494,7 @@ def line_diagram(
 
 
 def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
-    """Diagram of the largest and smallest (2, k + c) reactions per length and concentrated forces of a line."""
+    """Diagram of the largest and smallest reactions per length and concentrated forces (2, k + c) of a line."""
     per_length, corners = ends[:, : len(line.s)], ends[:, len(line.s) :]
     begins = np.append(True, line.pieces[:-1] < 0)
     words = []
@@ -507,7 +511,7 @@ def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
 
 
 def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]:
-    """Stations whose values are labelled: the largest in size of each run, and those of ``ends`` with negative values.
+    """Stations whose values are labelled: the largest in magnitude of each run, and negative ones among ``ends``.
 
     A positive smallest value does not govern a design.
     """
@@ -517,7 +521,7 @@ def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]
 
 
 def extreme(name: str, value: float, told: bool, width: float | None) -> str:
-    """Label of an extreme: its value and its half-width, if known.
+    """Label of an extreme: its value and, if ``told``, its half-width; ± ? if that is unknown.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Notebook views of supports and of a load path."""
+"""Notebook views (HTML) of supports and of a load path."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from signorini.results.support_result import SupportResult, symbol
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'
 _Row = tuple[Sequence[str], Sequence[str]]
-"""Cells of a row of a table: texts, then numbers."""
+"""Cells of one row of a table: first texts, then numbers."""
 _MOST_POINTS = 20
-"""Largest number of points of a support that are listed, as on the terminal."""
+"""Largest number of points of a support that are listed, as in the tables of the command."""
 
 
 def supports_table(
@@ -28,9 +28,10 @@ def supports_table(
     units: Units,
     widths: Sequence[Mapping[str, Any]] | None = None,
 ) -> str:
-    """Write a table in HTML: kind of each support, its reaction and those of its points, pressures of areas.
+    """Write a table in HTML: kind of each support, its reaction, reactions of its points, pressures of areas.
 
-    Numbers have a ± if half-widths are known. Points with the largest reactions are listed.
+    Numbers have a ± if half-widths are known. If a support has many points, those with the largest reactions are
+    listed.
     """
     areas = any(one.area is not None for one in result)
     gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, result, strict=True))
@@ -53,7 +54,7 @@ def supports_table(
 
 
 def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -> Iterator[_Row]:
-    """Yield rows of the points of a support in their order; of many points those with the largest reactions."""
+    """Yield rows of the points of a support in their order; of many points only those with the largest reactions."""
     shown = np.sort(np.argsort(-np.abs(one.reactions), kind="stable")[:_MOST_POINTS]).tolist()
     for at in shown:
         width = None if widths is None else widths["points"][at]
@@ -66,7 +67,7 @@ def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -
 
 
 def _table(heads: Sequence[str], titles: Sequence[str], rows: Iterable[_Row]) -> str:
-    """Write a table in HTML: texts at the left, numbers at the right, under their titles."""
+    """Write a table in HTML: left columns of texts, right columns of numbers, under their titles."""
 
     def line(tag: str, words: Sequence[str], numbers: Sequence[str]) -> str:
         cells = [(_WORDS, text) for text in words] + [(_NUMBER, text) for text in numbers]
@@ -88,7 +89,7 @@ def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, l
 
 
 def in_notebook(result: ResultState, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:
-    """Write a result as HTML, with half-widths and their meshes if there are any."""
+    """Write a result as HTML; half-widths and the meshes they come from are included if known."""
     title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
     if result.status != "solved":
         return f"{title}<p>{html.escape(result.message)}</p>"

@@ -1,4 +1,4 @@
-"""Numbers of several plates: the plate of each number, and its position in the catalogue of that plate."""
+"""Numbers of several plates: the plate of each number, and the number's index in that plate's catalogue."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from signorini.model import Model
 from signorini.results.quantities import Catalogue, Number
 
 Place = tuple[int, int]
-"""Index of a plate, and index of a number in that plate's catalogue (or of an object in that plate's model)."""
+"""Index of a plate, and index of a number in that plate's catalogue (or index of an object in that plate's model)."""
 
 
 def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalogue]) -> tuple[tuple[Place, ...], ...]:
-    """Places of each number of several plates in the plates' catalogues; an extreme over all plates has one in each.
+    """For each number of several plates, the pairs (plate, index in that plate's catalogue).
 
-    Numbers of a support between two plates belong to the upper plate.
+    An extreme over all plates has one pair for each plate. Numbers of a support between two plates belong to the upper
+    plate.
     """
     names, homes = list(model.plates), _homes(model)
     result: list[tuple[Place, ...]] = []
@@ -34,7 +35,7 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
 
 
 def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Prefix sentences with the names of their plates; sentences about all plates have no prefix."""
+    """Prefix sentences of each plate with the plate's name; a sentence common to all plates has no prefix."""
     plates: dict[str, list[str]] = {}
     for name, sentences in each.items():
         for sentence in dict.fromkeys(sentences):
@@ -44,7 +45,7 @@ def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
-    """Plate of each support, probe, section and strip, and its index there; probes are counted point by point."""
+    """Plate and index there of each support, probe, section and strip of the model; a probe is one point."""
     result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}, "punching": {}}
     first = [0]
     for probe in model.probe:

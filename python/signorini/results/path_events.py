@@ -1,4 +1,4 @@
-"""Events of a load path: margins of supports, named events of points, lines and areas, thresholds."""
+"""Events of a load path: margins of supports, named events of points, lines and areas, and thresholds."""
 
 from __future__ import annotations
 
@@ -22,20 +22,23 @@ from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where it is open."""
+"""Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where all of it is
+open.
+"""
 WHOLE = 1e-12
-"""Zero tolerance for a part of a support, relative to the whole support."""
+"""Largest part of a support that counts as zero, relative to the whole support."""
 _EQUAL = 1e-10
-"""Rounding of a quantity, relative to the value of its threshold."""
+"""Rounding error of a quantity, relative to the value of its threshold."""
 _TOUCHING = 1e-9
-"""Relative tolerance for contact without overlap, relative to the largest overlap, as for contact areas."""
+"""Largest overlap that counts as contact without overlap, relative to the largest overlap; as for contact areas."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """Margins of a support to its events; a margin is ≥ 0 while the point, or that part of the support, is closed.
+    """Margins of a support to its events; each margin is ≥ 0 while a point, or a part of the support, is closed.
 
-    A support at points has p margins, one for each point; a line or area has five, one for each level. A support with a
-    limit has further margins to the limit, of every point or of the support. Margins are continuous in t.
+    A support at points has p margins, one for each point. A line or area has five, one for each value in `LEVELS`. A
+    support with a limit has further margins to the limit: of every point, or one of the whole line or area. Margins are
+    continuous in t.
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]
@@ -46,7 +49,7 @@ def margins(discretisation: Discretisation, index: int, answer: Answer, scales: 
 
 
 def _to_limit(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """Margins (p,) of points to their limits, scaled; negative where a point yields."""
+    """Scaled margins (p,) of a support's points to their limits; negative where a point yields."""
     contacts, (least, most) = discretisation.contacts, discretisation.contacts.limits
     force = np.minimum(most - answer.reaction, np.where(least < 0.0, answer.reaction - least, np.inf))
     soft = contacts.compliance > 0
@@ -76,7 +79,7 @@ def _closing(discretisation: Discretisation, index: int, answer: Answer, scales:
 
 
 def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
-    """Margins (5,) of a line or area to `LEVELS`, from margins of points (p,) with weights.
+    """Margins (5,) of a line or area to `LEVELS`, from ``own`` margins and ``weights`` (p,) of its points.
 
     If ``between``, the margin is linear between points, as on a line.
     """
@@ -95,38 +98,39 @@ def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
 Change = Literal[
     "opens", "closes", "yields", "stops yielding", "begins to open", "begins to close", "open", "closed", "part closed"
 ]
-"""Name of the change. Points: "opens", "closes"; lines and areas: "begins to open", "part closed" at each quarter,
-"open", "begins to close", "closed"; with a limit: "yields" at the first point, "stops yielding"."""
+"""Name of an event. Points: "opens", "closes". Lines and areas: "begins to open", "part closed" at each quarter,
+"open", "begins to close", "closed". Supports with a limit: "yields" if the first point yields, "stops yielding"."""
 
 _MOST_POINTS = 3
-"""Largest number of points of one support that are named at a stop."""
+"""Largest number of points of one support that the description of a stop names."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PathEvent:
-    """A point opens, closes or yields; or a line or area begins to open or close, has done so, or passes a quarter."""
+    """An event of a support: a point opens, closes or yields, or the closed part of a line or area passes a level."""
 
     row: int  # number of the stop, from 0
     t: float
     support: str
-    at: tuple[float, float] | None  # the point; for a line or area that begins to open or close, its first point
+    # position of the point; for a line or area that begins to open, to close or to yield, of the first such point
+    at: tuple[float, float] | None
     change: Change
     # closed part of the support, by points, length or contact area; for "part closed" the quarter
     closed: float
-    opening: bool  # whether the closed part decreases
+    opening: bool  # whether the closed part of the support decreases at the event
     # index of the margin: the point of the support, or the level in `LEVELS` of a line or area
     number: int = 0
 
 
 def closing_margins(support: Support, margins: int) -> int:
-    """Number of a support's margins to opening and closing; the margins to its limit follow these."""
+    """Number of a support's margins to opening and closing, which are the first of all ``margins`` margins."""
     if support.place != "at":
         return len(LEVELS)
     return margins if not support.can_yield else margins // 2
 
 
 def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:
-    """Name of the event as a margin changes its sign, and the closed part after it, if known."""
+    """Name of the event at which margin ``number`` changes its sign, and the closed part after the event, if known."""
     if number >= closing_margins(support, margins):
         return "yields" if opening else "stops yielding", None
     if support.place == "at":
@@ -142,7 +146,7 @@ def event_of(support: Support, number: int, opening: bool, margins: int) -> tupl
 def first_place(
     discretisation: Discretisation, index: int, answer: Answer, change: Change
 ) -> tuple[float, float] | None:
-    """Position of the point at which a line or area begins to open (closed least), to close or to yield."""
+    """Position of the first point that opens (the least closed one), closes or yields on a line or area."""
     points, scales = SupportPoints.of(discretisation, index), Scales.of(answer)
     if "yield" in change:
         own = _to_limit(discretisation, points, answer, scales)
@@ -155,7 +159,7 @@ def first_place(
 
 
 def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> tuple[PathEvent, ...]:
-    """Find the events of supports at the stops of an exact path, in order."""
+    """Find the events of supports at the stops of an exact path, in order of t."""
     result = []
     for index, support in enumerate(supports):
         parts = [float(stop.parts[index]) for stop in stops]
@@ -206,7 +210,10 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
 
 
 def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
-    """Name the events of one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
+    """Describe the events of one stop.
+
+    Points of supports in ``pulling``, which only hold the plate down, "begin to pull" when they close.
+    """
     alike, said = dict[tuple[str, Change, float], list[PathEvent]](), []
     for event in events:
         part = event.closed if event.change == "part closed" else 0.0
@@ -225,28 +232,29 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
 
 @dataclass(frozen=True)
 class Threshold:
-    """A value of a quantity, whose first t on the path is wanted."""
+    """A value of a quantity; the first t on the path at which the quantity has this value is wanted."""
 
-    when: str  # text of the request: ``"bolts[1].reaction = -203e3"``
-    quantity: str  # name of the quantity
+    when: str  # text of the request, such as ``"bolts[1].reaction = -203e3"``
+    quantity: str  # name of the quantity, such as "bolts[1].reaction"
     value: float
-    t: float | None = None  # t at which the quantity first reaches the value; None if it does not on the path
+    t: float | None = None  # first t at which the quantity has the value; None if the path does not reach it
 
     def margin(self, number: float, above: bool) -> float:
-        """The quantity less the value, whose sign changes where it is reached from above or from below.
+        """The quantity minus the value; its sign changes where the quantity reaches the value from above or from below.
 
-        The value is moved by its rounding toward the start of the path: a yielding reaction only equals its limit.
+        The value is moved by its rounding error toward the quantity at the start: a yielding reaction only equals its
+        limit.
         """
         return number - self.value - math.copysign(_EQUAL * abs(self.value), 1.0 if above else -1.0)
 
     @property
     def linear(self) -> bool:
-        """Whether the quantity is linear in t while the contact state is constant."""
+        """Whether the quantity is linear in t while the contact state does not change."""
         return self.quantity.rpartition(".")[-1] not in SMOOTH
 
 
 def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
-    """Read thresholds: equations of a result's name and a number."""
+    """Read thresholds from texts: equations of the name of a number and a value."""
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = -203e3"].', place="when")
     known, asked = numbers_at_stops(discretisation).by_name, []
@@ -270,7 +278,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
 
 
 def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
-    """Find the stop at which a quantity first reaches or passes the value of a threshold."""
+    """Return the threshold with the t of the first stop at which the quantity reaches or passes the value."""
     numbers = [stop.number(threshold.quantity) for stop in stops]
     beyond = [threshold.margin(number, numbers[0] > threshold.value) >= 0.0 for number in numbers]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)

@@ -1,4 +1,4 @@
-"""The stops of a load path: its start, events, and its end."""
+"""The stops of a load path: its start, its events, and its end."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST_POINTS = 100
 
 @dataclass(frozen=True)
 class Switch:
-    """A contact point that opens, closes, yields or stops yielding."""
+    """A contact point that opens, closes, yields or stops yielding at a stop."""
 
     support: str
     at: tuple[float, float]
@@ -32,7 +32,7 @@ class Switch:
 
     @property
     def closes(self) -> bool:
-        """Whether the point begins to bear."""
+        """Whether the point closes: it begins to push or pull."""
         return self.change == "closes"
 
     @property
@@ -43,19 +43,20 @@ class Switch:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
-    """State of the path at one t. Between two stops all numbers are linear in t, except extremes and work."""
+    """State of a path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
     t: float
-    switched: tuple[Switch, ...]  # contact points that open or close here
-    points: Ints  # (k,): numbers of the contact points that open or close
-    pieces: Pieces  # (k,): pieces of the laws of these points after the stop
-    catalogue: Catalogue  # catalogue of ``values``
-    values: Floats  # (n,): numbers in the order of the catalogue
-    largest_at: tuple[float, float]  # positions of the largest and the smallest deflection
+    switched: tuple[Switch, ...]  # contact points that open, close, yield or stop yielding
+    points: Ints  # (k,): numbers of the contact points that change the piece of their law here
+    pieces: Pieces  # (k,): pieces of the laws that these points are on after the stop
+    catalogue: Catalogue  # names of the numbers in ``values``
+    values: Floats  # (n,): numbers of the stop, in the order of the catalogue
+    largest_at: tuple[float, float]  # position of the largest deflection; next, of the smallest deflection
     smallest_at: tuple[float, float]
-    work: float  # sum of nodal loads times displacements: the same for all solutions of one load
-    work_size: float  # sum of the magnitudes of these products
-    not_unique: tuple[NotUnique, ...] = ()  # freedoms of the answer among equally right ones
+    # Σ nodal load × displacement; the same for all solutions under one load
+    work: float
+    work_size: float  # Σ |nodal load × displacement|
+    not_unique: tuple[NotUnique, ...] = ()  # how the answer may differ, if several answers are right
 
     @property
     def reactions(self) -> Floats:
@@ -74,7 +75,7 @@ class PathStop(Brief):
 
     @property
     def through(self) -> Floats:
-        """Moment, twist and shear (3s,) of the model's sections, and their means at the stations of its strips."""
+        """Moment, twist and shear of the model's sections, and their means at the stations of its strips (3s,)."""
         at = self.catalogue.at
         homes: tuple[Home, ...] = ("section", "station")
         places = [at(home, "moment", "twist", "shear") for home in homes]
@@ -82,25 +83,25 @@ class PathStop(Brief):
 
     @property
     def largest(self) -> float:
-        """Largest deflection at a node."""
+        """Largest deflection over the nodes, positive down."""
         return self.number("deflection.max")
 
     @property
     def smallest(self) -> float:
-        """Smallest deflection at a node."""
+        """Smallest deflection over the nodes; negative where the plate lifts."""
         return self.number("deflection.min")
 
     @property
     def utmost(self) -> float:
-        """The extreme of the deflection that is larger in size, negative where the plate lifts most."""
+        """The extreme deflection that is larger in magnitude; negative where the plate lifts most."""
         return self.smallest if -self.smallest > self.largest else self.largest
 
     def number(self, name: str) -> float:
-        """A number by its name, such as "bolts[1].reaction"."""
+        """Value of a number at this stop, by the number's name, such as "bolts[1].reaction"."""
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """Replace the closed part of support number ``index``, which has ``count`` points."""
+        """Copy of the stop in which support number ``index``, of ``count`` points, has the closed part ``part``."""
         values, closed = self.values.copy(), round(part * count)
         values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
         return replace(self, values=values)
@@ -111,13 +112,13 @@ class PathStop(Brief):
 
 @dataclass(frozen=True, eq=False)
 class Switched:
-    """Numbers (k,) of contact points that change the piece of their law, and the pieces (k,) before."""
+    """Numbers (k,) of contact points that change the piece of their law, and their pieces (k,) before the change."""
 
     points: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def as_switches(self, discretisation: Discretisation, answer: Answer) -> tuple[Switch, ...]:
-        """Describe the changes of points, with places; a change between pieces of a law without a name is skipped."""
+        """Describe the points that open, close, yield or stop yielding; other changes of the piece are skipped."""
         contacts, after = discretisation.contacts.pick(self.points), answer.piece[self.points]
         yielded, yields = contacts.yield_on(self.before), contacts.yield_on(after)
         opened, opens = contacts.open_on(self.before), contacts.open_on(after)
@@ -130,7 +131,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """Catalogue of the numbers of stops; numbers of points are included only if there are few points."""
+    """Catalogue of the numbers of stops; numbers of points are included if there are at most `_MOST_POINTS` points."""
     whole = catalogue_of(discretisation, ("deflection",), "paths")
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
     return whole.only(lambda one: one.home != "point" or not many)
@@ -145,9 +146,10 @@ def path_stops(
     answers: Sequence[Answer],
     imbalance: Floats | None = None,
 ) -> list[PathStop]:
-    """Reduce answers (k,) to the numbers that a path keeps; ``switched`` are the points that change their piece.
+    """Compute the stops of k answers: the numbers that a path stores.
 
-    ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, if known.
+    ``points`` and ``switched`` are the contact points that change the piece of their law. ``imbalance`` (k, 3n) are the
+    residuals F − Ku of plate and springs, without reactions, if known.
     """
     catalogue = numbers_at_stops(discretisation)
     numbers = _numbers(discretisation, catalogue, loads, answers, imbalance)
@@ -182,7 +184,7 @@ def _numbers(
     answers: Sequence[Answer],
     imbalance: Floats | None,
 ) -> Floats:
-    """Numbers (k, n) of the catalogue in k answers."""
+    """Numbers (k, n) of the catalogue in k answers to k loads."""
     each = []
     for at, plate in enumerate(discretisation.members):
         own = plate.own

@@ -1,6 +1,7 @@
-"""Registry of quantities: name, symbol, unit, key, kind, and the files in which each appears.
+"""Registry of quantities: name, symbol, unit, key, kind, and the files in which each quantity appears.
 
-JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take names and paths from here.
+JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take names and paths from here. The "home"
+of a number is the kind of its owner: a field, a support, a probe and so on.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ from signorini.model.whole import Units
 
 
 def principal_moments(moment: Floats) -> Floats:
-    """Principal moments m1 ≥ m2, and the angle from x to that of m1 in degrees towards y, from mx, my, mxy (..., 3)."""
+    """Principal moments m1 ≥ m2, and the angle from x to the direction of m1, from mx, my, mxy (..., 3).
+
+    The angle is in degrees, positive towards y.
+    """
     mx, my, mxy = np.moveaxis(moment, -1, 0)
     middle, radius = 0.5 * (mx + my), np.hypot(0.5 * (mx - my), mxy)
     return np.stack([middle + radius, middle - radius, np.degrees(0.5 * np.arctan2(2 * mxy, mx - my))], axis=-1)
@@ -29,15 +33,15 @@ def principal_moments(moment: Floats) -> Floats:
 def design_moments(moment: Floats) -> Floats:
     """Moments for which reinforcement is designed: bottom x and y ≥ 0, top x and y ≤ 0, from mx, my, mxy (..., 3).
 
-    R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2 (1968);
-    G. S. T. Armer, discussion of it.
+    R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2 (1968); G.
+    S. T. Armer, discussion of this paper.
     """
     mx, my, mxy = np.moveaxis(moment, -1, 0)
     return np.stack([*_sagging(mx, my, mxy), *(0.0 - one for one in _sagging(-mx, -my, mxy))], axis=-1)
 
 
 def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
-    """Design moments of bars at the bottom; one is 0 where bars in the other direction alone suffice."""
+    """Design moments of the bars along x and along y at the bottom; 0 where the bars along the other axis suffice."""
     x, y, twist = mx + np.abs(mxy), my + np.abs(mxy), mxy**2
     with np.errstate(divide="ignore", invalid="ignore"):
         alone_x, alone_y = mx + twist / np.abs(my), my + twist / np.abs(mx)
@@ -47,9 +51,9 @@ def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
 
 
 def face_stresses(moment: Floats, thickness: Floats) -> Floats:
-    """Stresses (..., 8) at the faces of a solid plate, tension positive: ∓6 m/h² at the top and the bottom.
+    """Stresses (..., 8) at the faces of a solid plate, ∓6 m/h² at the top and the bottom, tension positive.
 
-    σx, σy and τxy at the top; σx, σy and τxy at the bottom; von Mises' stress at the top and at the bottom.
+    The order is σx, σy, τxy at the top; σx, σy, τxy at the bottom; von Mises' stress at the top and at the bottom.
     """
     bottom = 6.0 * moment / (thickness**2)[..., None]
     x, y, xy = np.moveaxis(bottom, -1, 0)
@@ -70,15 +74,15 @@ Key = tuple[Home, int | str, str]
 
 @dataclass(frozen=True)
 class Kind:
-    """Kind of numbers that are compared with each other: same unit and similar size."""
+    """A kind of numbers that are compared with each other: they have the same unit and similar magnitude."""
 
-    force: int = 0  # powers of force and length in its unit
+    force: int = 0  # exponents of force and length in the unit
     length: int = 0
-    singular: str = ""  # name in singularities; empty for numbers that always have a limit
-    colours: str = "RdBu"  # a colour map whose middle is zero
+    singular: str = ""  # name of the result in singularities; empty for kinds that always have a limit
+    colours: str = "RdBu"  # name of a colour map whose middle is zero
 
     def unit(self, units: Units) -> str:
-        """Unit of the kind in a model's units; empty if the model names none."""
+        """Unit of the kind in a model's units; empty if the model does not name units."""
         if self.force:
             return units.force_by_length(self.length)
         return f"{units.length}{'²' if self.length == 2 else ''}" if units.length and self.length else ""
@@ -111,35 +115,36 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
 class Quantity:
     """One quantity, such as mx or a reaction: name, kind, key, and the files in which its numbers appear."""
 
-    name: str  # in tables and thresholds
-    kind: str  # one of `KINDS`
-    words: str = ""  # description with the symbol
-    key: Path = ()  # keys and indices below the owner in results.json; by default the name
-    vector: str = ""  # vector that it is a component of; numbers of one vector at one probe change together
-    tabled: bool = True  # whether tables have it
-    enveloped: bool = True  # whether extremes of it are sought
-    along_paths: bool = True  # whether load paths list it at every stop
-    parents: tuple[str, ...] = ()  # fields that its formula uses
+    name: str  # name in tables and thresholds, such as "mx"
+    kind: str  # name of the kind in `KINDS`
+    words: str = ""  # description, with the symbol
+    key: Path = ()  # keys and indices below the owner in results.json; if empty, the name
+    # name of the vector of which the quantity is a component; components of one vector at one probe change together
+    vector: str = ""
+    tabled: bool = True  # whether tables have a column for the quantity
+    enveloped: bool = True  # whether envelopes contain extremes of the quantity
+    along_paths: bool = True  # whether load paths list the quantity at every stop
+    parents: tuple[str, ...] = ()  # names of the fields that the quantity's formula uses
 
     @property
     def path(self) -> Path:
-        """Keys below the owner."""
+        """Keys and indices in results.json below the owner: ``key`` or, if this is empty, the name."""
         return self.key or (self.name,)
 
     @property
     def singular(self) -> str:
-        """Name in `Singularity.numbers`; empty if the quantity is never singular."""
+        """Name of the quantity in `Singularity.numbers`; empty if the quantity is never singular."""
         return KINDS[self.kind].singular
 
     def unit(self, units: Units) -> str:
-        """Unit of the quantity in a model's units; empty if the model names none."""
+        """Unit of the quantity in a model's units; empty if the model does not name units."""
         if self.kind == "moment" and units.length and units.force:
-            # Moments are per length of the section.
+            # Moments have the unit force × length per length of the section.
             return f"{units.force} {units.length}/{units.length}"
         return KINDS[self.kind].unit(units)
 
     def label(self, units: Units) -> str:
-        """Description with the unit.
+        """Description of the quantity with its unit.
 
         Examples
         --------
@@ -167,12 +172,12 @@ LINEAR = _by_name(
         Quantity("qy", "shear", "shear qy", ("shear", 1), "shear"),
     ]
 )
-"""Fields that are linear in the solution, in the order of arrays (..., 8)."""
+"""Fields that are linear in the solution, in the order of the last axis of arrays (..., 8)."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """Fields by a formula: from moments (..., 3), shears (..., 2) and thickness (...) to values (..., c)."""
+    """Fields that a formula computes: from moments (..., 3), shears (..., 2) and thickness (...) values (..., c)."""
 
     formula: Callable[[Floats, Floats, Floats], Floats]
     quantities: tuple[Quantity, ...]
@@ -237,25 +242,27 @@ DERIVED = (
         ),
     ),
 )
-"""Fields that are computed from moments, shears and the thickness."""
+"""Fields that are computed from moments, shears and thickness."""
 
 DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
     {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
 )
-"""Sign of the moments that each design moment resists."""
+"""Sign of each design moment: +1 for reinforcement at the bottom, −1 at the top."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
-"""Every field at the nodes."""
+"""Every field at the nodes, by name."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
-"""Fields whose extremes exclude singular places. Singular deflections grow too slowly to be excluded."""
+"""Fields whose extremes exclude singular places, by name. Singular deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
 """Names of moments and shears: mx, my, mxy, qx, qy."""
 TOLD = ("deflection", *PEAKING)
-"""Names of the fields whose extremes are in every result."""
+"""Names of the fields whose extremes are in every result: the deflection, and moments, shears and fields derived from
+these.
+"""
 PRESSURE = Quantity("pressure", "pressure", "contact pressure, positive up", tabled=False, enveloped=False)
 PICTURED = {**FIELDS, PRESSURE.name: PRESSURE}
-"""Quantities of pictures and profiles, by name."""
+"""Quantities that pictures and profiles can show, by name."""
 AT_PROBES: tuple[Quantity, ...] = tuple(
     one if one.name == "deflection" else replace(one, along_paths=False)
     for one in (*LINEAR.values(), PRESSURE, *(one for of in DERIVED for one in of.quantities))
@@ -277,7 +284,7 @@ OF_LINES = tuple(
 )
 """Quantities of supports along edges, lines and circles."""
 AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
-"""Concentrated forces at corners and ends of lines of supports."""
+"""Concentrated force at a corner or end of a support's line."""
 OF_LIMITED_AREAS = (
     Quantity("yielded_area", "area", "yielded area, where the limit is reached", tabled=False, along_paths=False),
 )
@@ -306,13 +313,13 @@ THROUGH = (
     Quantity("twist", "couple", "twist, ∫ mₙₛ ds"),
     Quantity("shear", "force", "shear, ∫ qₙ ds"),
 )
-"""Forces through sections."""
+"""Integrals of moment, twist and shear along sections."""
 MEANS = (
     Quantity("moment", "moment", "moment, mean of mₙₙ"),
     Quantity("twist", "moment", "twist, mean of mₙₛ"),
     Quantity("shear", "shear", "shear, mean of qₙ"),
 )
-"""Means of the forces per length at the stations of a strip."""
+"""Means of moment, twist and shear across a strip at its stations."""
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
@@ -337,21 +344,41 @@ OF_COLUMNS = (
 """Quantities of punched columns."""
 OF_SHEAR = tuple(one for one in OF_COLUMNS if one.name in ("force", "inside", "beta", "v_ed", "v_rd_c", "utilisation"))
 """Quantities of punched columns in the terminal."""
+_SUPPORTS = (*OF_SUPPORTS, *OF_AREAS, *OF_LINES, *OF_LIMITED_AREAS, *OF_BOLTS)
+_POINTS = (*OF_POINTS, *OF_TURNING_POINTS, *AT_BOLTS)
+BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
+    {
+        **dict.fromkeys(("supports", "contacts"), _SUPPORTS),
+        **dict.fromkeys(("points", "nodes", "corners", "joints"), _POINTS),
+        "line": (
+            Quantity("reaction", "per_length", "reaction per length, positive up"),
+            Quantity("couple", "moment", "couple per length, positive where the plate sags"),
+        ),
+        "governing_reactions": tuple(Quantity(key, "reaction") for key in ("max", "min", "max_with", "min_with")),
+        "probes": AT_PROBES,
+        "sections": THROUGH,
+        "strips": OF_STRIPS,
+        "punching": OF_COLUMNS,
+        "stations": (*MEANS, *PICTURED.values()),
+        "": tuple(PICTURED.values()),
+    }
+)
+"""Quantities by the list of results.json that has them; "": those of fields."""
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
-"""Names of the extremes of means at singular places."""
+"""Names of the largest and the smallest mean of a field over its singular points."""
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
-"""Homes (owners) of extremes of fields and of their means."""
+"""Owners ("homes") of the extremes of fields, and of the extremes of means at singular places."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
-"""Homes (owners) whose numbers are read for each owner separately."""
+"""Owners ("homes") whose numbers are read one owner at a time."""
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
         *("max_per_length", "min_per_length", "v_ed", "utilisation"),
     )
 )
-"""Quantities that are not linear in the load, even if the contact state is constant."""
+"""Names of quantities that are not linear in the load, even while the contact state does not change."""
 
 
 def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats) -> Floats:
@@ -365,22 +392,29 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
     return result
 
 
+def quantity_at(keys: Sequence[str]) -> Quantity | None:
+    """Quantity of the numbers below some keys of results.json, without indices; None for other numbers."""
+    owner = next((key for key in reversed(keys) if key in BY_LIST), "")
+    named = {key: one for one in BY_LIST[owner] for key in (one.path[0], one.name)}
+    return next((named[key] for key in reversed(keys) if key in named), None)
+
+
 @dataclass(frozen=True)
 class Number:
-    """One number of a result: its quantity and owner, and with these its path in files."""
+    """One number of a result: its quantity and owner, which give its path in files."""
 
     quantity: Quantity
-    home: Home  # kind of the owner
-    owner: int  # index of the owner in the model's table
-    path: Path  # keys and indices in results.json
+    home: Home  # kind of the owner, such as "support"
+    owner: int  # index of the owner in the model's table; for extremes, of the field
+    path: Path  # keys and indices that lead to the number in results.json
     subject: str  # name of the owner in columns and thresholds
     part: int = 0  # index of the point of a support, or of the station of a strip, from 0
-    tabled: bool = True  # whether tables have it
-    estimated: bool = True  # whether it has a half-width
+    tabled: bool = True  # whether tables have a column for the number
+    estimated: bool = True  # whether half-widths are computed for the number
 
     @property
     def column(self) -> str:
-        """Name of its column in tables."""
+        """Name of the number's column in tables."""
         what = self.what
         if self.home in ("support", "punching", *EXTREMES):
             return f"{what}:{self.subject}"
@@ -388,7 +422,7 @@ class Number:
 
     @property
     def name(self) -> str:
-        """Its name in thresholds, such as "bolts[1].reaction"."""
+        """Name of the number in thresholds, such as "bolts[1].reaction"."""
         return f"{self.subject}.{self.what}"
 
     @property
@@ -398,17 +432,17 @@ class Number:
 
     @property
     def key(self) -> Key:
-        """Home, owner or extreme, and name: common key of related numbers at one place or of one extreme."""
+        """Home; owner or name of the extreme; name of the quantity: equal for the components of one quantity."""
         return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
 
     @property
     def over_plates(self) -> bool:
-        """Whether the number is an extreme over all plates."""
+        """Whether the number is an extreme over all of several plates."""
         return self.home in EXTREMES and self.path[0] != "plates"
 
     @property
     def envelope_path(self) -> Path:
-        """Path of its extremes in an envelope, where quantities of probes and points are keys."""
+        """Path of the number's extremes in an envelope; names of quantities of probes and points are keys there."""
         if self.home in EXTREMES:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
@@ -417,7 +451,7 @@ class Number:
 
     @property
     def ties(self) -> tuple[str, str, int]:
-        """Group of numbers that are compared: those of one kind; pressures and areas of one support."""
+        """Group of numbers that are compared with each other: of one kind; pressures and areas of one support only."""
         kind = self.quantity.kind
         return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
@@ -428,31 +462,31 @@ def on_plate(field: str, plate: str) -> str:
 
 
 def place_of(model: Model, index: int) -> Path:
-    """Path of a support in results.json; contacts between plates, the last supports, have a table of their own."""
+    """Path of a support in results.json; contacts between plates have a separate list, and the last indices."""
     first = len(model.support) - len(model.contact)
     return ("supports", index) if index < first else ("contacts", index - first)
 
 
 def of_support(support: Support) -> tuple[Quantity, ...]:
-    """Quantities of a support as a whole."""
+    """Quantities of a support as a whole, which depend on its kind."""
     area, bolt = support.area is not None, support.is_bolt
     limited = OF_LIMITED_AREAS * (area and support.can_yield)
     return OF_SUPPORTS + OF_AREAS * area + OF_LINES * support.along_line + limited + OF_BOLTS * bolt
 
 
 def of_points(support: Support) -> tuple[Quantity, ...]:
-    """Quantities of the points of a support at points."""
+    """Quantities of each point of a support at points."""
     turning = OF_TURNING_POINTS * (bool(support.rotational))
     return OF_POINTS + AT_BOLTS * support.is_bolt + turning + OF_POINTS_WITH_LAWS * support.has_pieces
 
 
 @dataclass(frozen=True, eq=False)
 class Catalogue:
-    """The numbers of a model's results that do not depend on the mesh, in their order."""
+    """The numbers of a model's results whose count does not depend on the mesh, in their order."""
 
     numbers: tuple[Number, ...]
     in_plates: tuple[tuple[tuple[int, int], ...], ...] = ()
-    """For several plates, pairs (plate, index in that plate's catalogue) for each number."""
+    """For several plates, the pairs (plate, index in that plate's catalogue) of each number."""
 
     @classmethod
     def of(
@@ -463,15 +497,15 @@ class Catalogue:
         corners: Mapping[int, int],
         fields: Sequence[str],
     ) -> Catalogue:
-        """List a model's numbers; ``fields`` are those with extremes.
+        """List a model's numbers; ``fields`` are the fields whose extremes are listed.
 
-        For each support, ``points`` is the number of its points, ``gaps`` whether its points can open, and ``corners``,
-        by index, the number of its corners.
+        ``points`` is the number of points of each support, and ``gaps`` says whether its points can open. ``corners``
+        is the number of corners of a line, by index of the support.
         """
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             for one in of_support(support):
-                # The number of closed nodes depends on the mesh.
+                # The number of closed nodes depends on the mesh, so it has no half-width.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
@@ -489,7 +523,7 @@ class Catalogue:
         for index, plate in enumerate(probe.plate for probe in model.probe for _ in probe.at):
             for one in AT_PROBES:
                 if one.name != PRESSURE.name or plate in on_areas:
-                    # An angle is undefined where both principal moments are equal.
+                    # The angle has no half-width, since it is undefined where both principal moments are equal.
                     path, told = ("probes", index, *one.path), one.kind != "angle"
                     result.append(Number(one, "probe", index, path, f"probe[{index + 1}]", 0, one.tabled, told))
         for index, section in enumerate(model.section):
@@ -517,11 +551,11 @@ class Catalogue:
         return cls(tuple(result))
 
     def __len__(self) -> int:
-        """Count the numbers."""
+        """Number of entries of the catalogue."""
         return len(self.numbers)
 
     def __repr__(self) -> str:
-        """Name the first numbers."""
+        """List the names of the first numbers."""
         return f"Catalogue({short(self.by_name)})"
 
     def __iter__(self) -> Iterator[Number]:
@@ -529,18 +563,18 @@ class Catalogue:
         return iter(self.numbers)
 
     def only(self, wanted: Callable[[Number], bool]) -> Catalogue:
-        """Catalogue of some of the numbers, with those of the plates behind them."""
+        """Catalogue of those numbers for which ``wanted`` is true, with the corresponding numbers of the plates."""
         kept = [place for place, one in enumerate(self.numbers) if wanted(one)]
         in_plates = tuple(self.in_plates[place] for place in kept) if self.in_plates else ()
         return Catalogue(tuple(self.numbers[place] for place in kept), in_plates)
 
     @cached_property
     def in_tables(self) -> Catalogue:
-        """The numbers that are columns of tables."""
+        """Catalogue of the numbers that have a column in tables."""
         return self.only(lambda one: one.tabled)
 
     def at(self, home: Home, *names: str) -> Ints:
-        """Indices of the numbers of a home with given names: (q,) for one name, (q, k) for k names."""
+        """Indices of the numbers of a home with the given names: (q,) for one name, (q, k) for k names."""
         result = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
         return result[0] if len(names) == 1 else np.stack(result, axis=-1)
 
@@ -553,7 +587,7 @@ class Catalogue:
 
     @cached_property
     def by_column(self) -> Mapping[str, int]:
-        """Index of every number that tables have, by its column."""
+        """Index of every number that tables have, by name of its column."""
         return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
 
     @cached_property
@@ -568,7 +602,7 @@ class Catalogue:
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Indices of numbers that are read together, by home, owner and name; probes and stations have the owner 0."""
+        """Indices of numbers that are read together, by (home, owner, name); for probes and stations the owner is 0."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
             owner = one.owner if one.home in _OF_ONE else 0
@@ -576,7 +610,7 @@ class Catalogue:
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
     def of_members(self, each: Sequence[Floats]) -> Floats:
-        """Numbers (..., n) from the numbers of every plate's catalogue; extremes are taken over all plates."""
+        """Numbers (..., n) of all plates from those of each plate's catalogue; extremes are taken over the plates."""
         if not self.in_plates:
             return each[0]
         result = np.empty((*each[0].shape[:-1], len(self)))
@@ -588,5 +622,5 @@ class Catalogue:
 
     @cached_property
     def along_paths(self) -> Catalogue:
-        """Catalogue of the numbers that load paths list at every stop."""
+        """Catalogue of the numbers that a load path lists at every stop."""
         return self.only(lambda one: one.quantity.along_paths)

@@ -1,7 +1,7 @@
-"""Readings of solutions, and the numbers computed from them.
+"""Readings of solutions, and the numbers computed from readings.
 
-A reading is a quantity that is linear in the solution on one contact state. A result reads one answer and a load path
-several. A row of a table is a sum of the readings of load cases and contact points.
+A reading is a quantity that is linear in the solution in one contact state. A result has the readings of one answer, a
+load path those of several answers. A row of a table has a sum of the readings of load cases and contact points.
 """
 
 from __future__ import annotations
@@ -33,11 +33,14 @@ from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000
-"""Largest number of nodal deflections for which contact areas are found together: 4 MB."""
+"""Largest number of nodal deflections in memory at once (4 MB) while contact areas are computed."""
 
 
 class SupportForces(NamedTuple):
-    """Nodal forces of one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,)."""
+    """Nodal forces of one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,).
+
+    F are the loads and the reactions of contact points.
+    """
 
     imbalance: Floats
     held: Floats
@@ -54,9 +57,10 @@ class SupportForces(NamedTuple):
         springs: tuple[Ints, Floats, Ints, Floats, Floats] | None = None,
         imbalance: Floats | None = None,
     ) -> Self:
-        """Compute the forces at u = hi + lo (3n,) under nodal loads (3n,) and reactions ``spread`` to nodes (3n,).
+        """Compute the forces at u = hi + lo (3n,) under nodal loads (3n,) and reactions on nodes ``spread`` (3n,).
 
-        ``springs`` replace those of the model. ``imbalance`` is the residual without reactions, if known.
+        ``springs`` are used in place of the model's springs, unless None. ``imbalance`` is the residual without
+        reactions, if known.
         """
         arrays = discretisation.springs.arrays if springs is None else springs
         residual = discretisation.plate.residual(arrays, nodal, hi, lo) if imbalance is None else imbalance
@@ -65,37 +69,37 @@ class SupportForces(NamedTuple):
         return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
 
     def on(self, plate: OfWhole) -> SupportForces:
-        """Forces on one of several plates."""
+        """Forces on one of several plates, given by ``plate``."""
         return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
 
 
 class Linear(NamedTuple):
-    """Readings of k solutions; the first axis of each array is that of the solutions."""
+    """Readings of k solutions; the first axis of each array numbers the solutions."""
 
     probes: Floats
-    """(k, q', 8): fields on every side of every probe, as `LINEAR` orders them."""
+    """(k, q', 8): fields at every probe, on each side of a jump; the last axis is in the order of `LINEAR`."""
     through: Floats
-    """(k, 3c): moment, twist and shear of every section and, as means, of every station of a strip."""
+    """(k, 3c): moment, twist and shear of every section, then their means at every station of the strips."""
     forces: Floats
-    """(k, h + s): upward forces of held nodes and springs, support by support."""
+    """(k, h + s): upward forces of held nodes and springs; all entries of a support are consecutive."""
     couples: Floats
     """(k, 2t): couples on θx and θy of points with a rotational stiffness, support by support."""
     on_lines: Floats
-    """(k, v): forces at the vertices of lines by the twisting couples of edges, line by line."""
+    """(k, v): forces at the vertices of lines that represent the twisting couples of edges, line by line."""
     on_areas: Floats
-    """(k, a): deflections of the nodes around elastic areas."""
+    """(k, a): deflections of the nodes that belong to elements on elastic areas."""
     beneath: Floats
-    """(k, b, a): deflections of b other plates at these nodes, support by support."""
+    """(k, b, a): deflections of other plates at the same nodes, for each of b supports between plates."""
     on_columns: Floats
     """(k, r + 3c): numbers of loads on `Columns`; on columns under the plate, couples of held slopes."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
-        """Stack readings of single solutions."""
+        """Stack the readings of single solutions along a new first axis."""
         return cls(*map(np.array, zip(*each, strict=True)))
 
     def sums(self, coefficients: Floats) -> Linear:
-        """Sums (k, ...) of these readings (b, ...) with coefficients (k, b)."""
+        """Readings (k, ...) of k linear combinations of the b solutions, with coefficients (k, b)."""
         return Linear(
             *(
                 _core.superpose(coefficients, one.reshape(len(one), -1)).reshape(len(coefficients), *one.shape[1:])
@@ -106,17 +110,17 @@ class Linear(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """Reads the solutions of one plate."""
+    """Computes the readings of solutions of one plate."""
 
     discretisation: Discretisation
     points: tuple[SupportPoints, ...]
     lines: Mapping[int, Line]
-    around_areas: Ints  # (a,): nodes around elastic areas
+    around_areas: Ints  # (a,): nodes that belong to elements on elastic areas
 
     @staticmethod
     @kept
     def of(discretisation: Discretisation) -> Reader:
-        """The reader of a plate, built once."""
+        """The `Reader` of a plate, built once."""
         supports = discretisation.model.support
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(supports)))
         areas = [area_at_rest(discretisation, index) for index, one in enumerate(supports) if one.area is not None]
@@ -124,7 +128,7 @@ class Reader:
 
     @cached_property
     def forces_of(self) -> list[slice]:
-        """For each support, the slice of its held nodes and springs in `Linear.forces`."""
+        """For each support, the slice of the forces of its held nodes and springs in `Linear.forces`."""
         return _slices(points.fixed for points in self.points)
 
     @cached_property
@@ -134,7 +138,7 @@ class Reader:
 
     @cached_property
     def vertices_of(self) -> Mapping[int, slice]:
-        """For each line that holds the twist, the slice of its vertices in `Linear.on_lines`."""
+        """For each line that holds the twist, the slice of the line's vertices in `Linear.on_lines`."""
         lines = {index: line.couples for index, line in self.lines.items() if line.couples is not None}
         return dict(zip(lines, _slices(couples.shape[0] for couples in lines.values()), strict=True))
 
@@ -148,11 +152,12 @@ class Reader:
         fields: Floats | None,
         beneath: Mapping[int, Floats],
     ) -> Linear:
-        """Read u = hi + lo (3n,) with reactions of contact points, forces of supports, and fields (s, 8).
+        """Take readings of u = hi + lo (3n,), reactions of contact points, forces of supports, and fields (s, 8).
 
-        ``beneath`` are deflections (n,) of other plates at this plate's nodes, by the index of the support between.
+        ``beneath`` are deflections (n,) of other plates at this plate's nodes, by index of the support between the
+        plates.
 
-        Without fields only the deflections are read at probes; the other fields are NaN there.
+        If ``fields`` is None, only deflections are read at probes; the other fields are NaN there.
         """
         found, sides = self.discretisation, self.discretisation.probe_sides
         deflection = (hi + lo)[::3]
@@ -200,7 +205,7 @@ class Reader:
 
 
 def nodes_around(areas: Iterable[AreaContact]) -> Ints:
-    """Nodes (a,) of the elements of elastic areas; their deflections determine pressures and contact areas."""
+    """Nodes (a,) of the elements on elastic areas; their deflections determine pressures and contact areas."""
     nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.is_elastic]
     return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
@@ -214,8 +219,8 @@ def _slices(counts: Iterable[int]) -> list[slice]:
 class Readings:
     """Readings of k solutions of one plate, and the numbers computed from them.
 
-    ``shared`` (k, m + r) are reactions of all points, ``gap`` (k, m) and ``closed`` (k, m) the states of contact
-    points. Sums of readings have no ``answers``, ``loads`` and deflections.
+    ``shared`` (k, m + r) are reactions of all contact and repeated points. ``gap`` (k, m) and ``closed`` (k, m) are the
+    states of contact points. Sums of readings have no ``answers``, ``loads`` and deflections.
     """
 
     reader: Reader
@@ -226,7 +231,7 @@ class Readings:
     answers: Sequence[Answer] = ()
     loads: Sequence[CaseLoad] = ()
     between: Sequence[int] = ()
-    """Indices of the supports on other plates, whose deflections are read."""
+    """Indices of the supports through which this plate rests on other plates, whose deflections are read."""
     upon: Collection[int] = ()
     """Indices of the supports through which another plate rests on this one."""
 
@@ -241,7 +246,7 @@ class Readings:
         beneath: Sequence[Mapping[int, Floats]],
         upon: Collection[int] = (),
     ) -> Self:
-        """Read answers (k,) to loads (k,); `Reader.read` describes the arguments."""
+        """Take readings of k answers to k loads; `Reader.read` describes the arguments."""
         reader = Reader.of(discretisation)
         linear = Linear.stacked(
             reader.read(load, answer.hi, answer.lo, answer.shared, of, own, below)
@@ -251,7 +256,7 @@ class Readings:
         return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
 
     def numbers(self, catalogue: Catalogue) -> Floats:
-        """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are not computed from readings."""
+        """Numbers (k, n) of a catalogue; extremes of fields are NaN, since readings do not determine them."""
         result = np.full((len(self.shared), len(catalogue)), np.nan)
         for (home, owner, what), places in catalogue.groups.items():
             if home not in EXTREMES:
@@ -259,7 +264,7 @@ class Readings:
         return result
 
     def read(self, home: Home, owner: int, what: str) -> Floats:
-        """Values (k, 1) of a quantity of a support or strip, or (k, ...) at points of a support, probes or stations."""
+        """Values of a quantity: (k, 1) of a support or strip, (k, ...) at points of a support, probes or stations."""
         match home:
             case "probe":
                 return self._at_probes(what)
@@ -322,19 +327,19 @@ class Readings:
 
     @cached_property
     def probes(self) -> Floats:
-        """Fields (k, q, 8) at probes; where a field jumps, the value larger in size."""
+        """Fields (k, q, 8) at probes; where a field jumps, the value larger in magnitude."""
         return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures (k, q) at probes; NaN without an area."""
+        """Contact pressures (k, q) at probes; NaN where there is no area support."""
         found = self.discretisation
         areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
         of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
         return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
 
     def deflections(self, some: slice) -> Floats:
-        """Deflections (k', n) of some solutions; for sums only around areas, 0 at other nodes."""
+        """Deflections (k', n) of the solutions in a slice; of sums only those around areas are known, others are 0."""
         if self.answers:
             return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
         around = self.linear.on_areas[some]
@@ -365,7 +370,7 @@ class Readings:
 
 @dataclass(frozen=True, eq=False)
 class SupportReading:
-    """One support with p points in k solutions, from which the registry's formulas are computed."""
+    """One support with p points in k solutions; the registry's quantities are computed from it."""
 
     of: Readings
     index: int
@@ -382,66 +387,66 @@ class SupportReading:
 
     @cached_property
     def reactions(self) -> Floats:
-        """Upward forces (k, p)."""
+        """Upward forces (k, p) that the points exert on the plate."""
         return self.points.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared)
 
     @cached_property
     def gaps(self) -> Floats:
-        """Remaining free travels (k, p)."""
+        """Remaining free travels (k, p) of the points."""
         return self.points.gaps(self.of.gap)
 
     @cached_property
     def closed(self) -> Bools:
-        """Whether points are closed (k, p)."""
+        """Mask (k, p): whether points are closed."""
         return self.points.closed(self.of.closed)
 
     @cached_property
     def yielded(self) -> Bools:
-        """Whether the reactions of points (k, p) reach their limits."""
+        """Mask (k, p): whether the reactions of points reach their limits."""
         return np.array([self.points.yielded(self.of.discretisation, one) for one in self.of.shared])
 
     @property
     def couples(self) -> Floats:
-        """Couples (k, p, 2) on θx and θy."""
+        """Couples (k, p, 2) on θx and θy that the points exert on the plate."""
         own = self.of.linear.couples[:, self.of.reader.couples_of[self.index]]
         return own.reshape(len(own), *self.points.turning.shape)
 
     @property
     def pieces(self) -> Ints:
-        """Pieces (k, p) of the law."""
+        """Index (k, p) of the piece of its law on which each point is."""
         return np.array([self.points.pieces(self.of.discretisation, one.piece) for one in self.of.answers])
 
     @property
     def tightened_to(self) -> Floats:
-        """Upward forces (p,) to which bolts were last tightened."""
+        """Upward forces (p,) to which each bolt was last tightened."""
         return self.points.tightened_to(self.of.discretisation)
 
     @property
     def preloads(self) -> Floats:
-        """Upward forces (p,) when all bolts are tightened, before other loads act."""
+        """Upward forces (p,) of the bolts when all bolts are tightened, before other loads act."""
         return self.points.preloads(self.of.discretisation)
 
     @property
     def lift(self) -> Floats:
-        """Resultant (k,) of the loads where it points up, else NaN."""
+        """Upward resultant (k,) of the loads on the plate; NaN where the resultant points down."""
         forces = np.array([load.weighing[::3] for load in self.of.loads])
         lift = -forces.sum(axis=1)
         return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
 
     @property
     def closed_part(self) -> Floats:
-        """Closed part (k,), 0 to 1: of points by number, of lines by length, of areas by contact area."""
+        """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area."""
         areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
         pairs = zip(self.of.answers, areas.tolist(), strict=True)
         return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
 
     @cached_property
     def at_rest(self) -> AreaContact:
-        """Contact of the area without load."""
+        """Contact of the area support without load."""
         return area_at_rest(self.of.discretisation, self.index)
 
     def above(self, some: slice) -> Floats:
-        """Deflections (k', n) of this plate, around areas relative to the other plate on which it rests, if any."""
+        """Deflections (k', n) of this plate; around areas relative to the plate on which this plate rests, if any."""
         deflection = self.of.deflections(some)
         if (beneath := self.beneath) is not None:
             deflection[:, self.of.reader.around_areas] -= beneath[some]
@@ -449,12 +454,12 @@ class SupportReading:
 
     @property
     def beneath(self) -> Floats | None:
-        """Deflections (k, a), around areas, of the other plate on which this one rests; None without such a plate."""
+        """Deflections (k, a), around areas, of the other plate on which this plate rests; None without such a plate."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
     @cached_property
     def areas(self) -> tuple[AreaContact, ...]:
-        """Contact of the area in every answer."""
+        """Contact of the area support in each of the k answers."""
         columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
         return tuple(
             area_contact(
@@ -488,7 +493,7 @@ class SupportReading:
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures (k, q) at `AreaContact.pressure_places`."""
+        """Pressures (k, q) of the area support at `AreaContact.pressure_places`."""
         if not self.support.is_elastic:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)
@@ -498,7 +503,7 @@ class SupportReading:
 
     @cached_property
     def contact_area(self) -> Floats:
-        """Areas (k,) in contact."""
+        """Areas (k,) of the support that are in contact."""
         step, result = max(1, _TOGETHER // self.of.discretisation.mesh.node_count), [np.zeros(0)]
         for first in range(0, len(self.closed), step):
             some = slice(first, first + step)
@@ -507,7 +512,7 @@ class SupportReading:
 
     @property
     def yielded_area(self) -> Floats:
-        """Areas (k,) in which the limit is reached."""
+        """Areas (k,) of the support in which the limit is reached."""
         return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
 
     @cached_property
@@ -531,7 +536,7 @@ _OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
     "preload": lambda of: np.full(len(of.reactions), of.preloads.sum()),
     "prying": lambda of: -of.reactions.sum(axis=1) / of.lift,
 }
-"""Formulas (k,) of quantities of supports, by their names in the registry."""
+"""Formulas for the values (k,) of each quantity of supports, by name in the registry."""
 _OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
     ("point", "reaction"): lambda of: of.reactions,
     ("point", "gap"): lambda of: of.gaps,
@@ -543,15 +548,15 @@ _OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
     ("point", "change"): lambda of: of.reactions - of.preloads,
     ("corner", "reaction"): lambda of: of.per_length[1],
 }
-"""Formulas (k, p) or (p,) of quantities of supports' points and corners."""
+"""Formulas for the values (k, p) or (p,) of each quantity of supports' points and corners, by home and name."""
 _THROUGH: Mapping[str, Callable[[Floats], Floats]] = {
     "moment": lambda through: through[..., 0],
     "twist": lambda through: through[..., 1],
     "shear": lambda through: through[..., 2],
 }
-"""Formulas (k, c) of forces through sections and stations, from readings (k, c, 3)."""
+"""Formulas for the values (k, c) of sections and stations, from readings (k, c, 3), by name of the quantity."""
 _OF_STRIPS: Mapping[str, Callable[[Floats], Floats]] = {
     "max_moment": lambda through: through[..., 0].max(axis=1),
     "min_moment": lambda through: through[..., 0].min(axis=1),
 }
-"""Formulas (k,) of a strip from its stations (k, c, 3)."""
+"""Formulas for the values (k,) of a strip from readings (k, c, 3) at its stations, by name of the quantity."""

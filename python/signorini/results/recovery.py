@@ -1,4 +1,4 @@
-"""Recovery of results from contact solutions: fields, reactions of supports, numbers."""
+"""Recovery of results from contact solutions: fields, reactions of supports, and numbers."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def recovered(
     beneath: Mapping[int, Floats] | None = None,
     upon: Collection[int] = (),
 ) -> Result:
-    """Recover every field from a contact solution that the last of ``methods`` found.
+    """Recover every field of a result from a contact solution, which the last of ``methods`` found.
 
     ``load_of`` is the combination, or the name of another load. ``stress`` (s, 5) are the moments and shears at stress
-    nodes, if known. ``beneath`` are the deflections (n,) of other plates, by the number of the support between.
-    ``upon`` are the numbers of supports through which another plate rests on this one.
+    nodes, if known. ``beneath`` are the deflections (n,) of other plates, by index of the support between the plates.
+    ``upon`` are the indices of supports through which another plate rests on this one.
     """
     if discretisation.plates:
         return _of_plates(discretisation, load_of, methods, load, answer, certificate)
@@ -106,7 +106,7 @@ def _of_plates(
     answer: Answer,
     certificate: Certificate,
 ) -> Result:
-    """Recover each of several plates, and combine the results."""
+    """Recover the result of each of several plates, and combine the results."""
     begun, each = time.perf_counter(), discretisation.plates
     deflections = [(answer.hi + answer.lo)[one.dofs][::3] for one in each]
     plates: dict[str, Result] = {}
@@ -116,7 +116,7 @@ def _of_plates(
         plates[one.name] = recovered(one.own, load_of, methods, own, *part, beneath, one.upon)
 
     def in_order(key: str, of: Callable[[Result], Sequence[Any]]) -> Listed[Any]:
-        """Objects of all plates in the order of the model's table ``key``; between plates the upper plate's."""
+        """Objects of all plates in the order of the model's table ``key``; between plates those of the upper plate."""
         result: dict[int, Any] = {}
         for one in each:
             for which, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
@@ -158,7 +158,7 @@ def _of_plates(
 
 
 def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
-    """Divide the probe results of a plate by the tables [[probe]] of the model."""
+    """Divide the probe results of a plate into one tuple for each table [[probe]] of the model."""
     ends = np.cumsum([0, *(len(probe.at) for probe in result.model.probe)]).tolist()
     return [result.probes[a:b] for a, b in pairwise(ends)]
 
@@ -171,7 +171,7 @@ def _columns_by_table(result: Result) -> list[tuple[ColumnResult, ...]]:
 
 
 def unsolved_result(discretisation: Discretisation, combination: Combination, message: str) -> Result:
-    """Build the result of a combination without equilibrium: NaN for every number, and the reason."""
+    """Build the result of a combination without equilibrium: every number is NaN, and ``message`` is the reason."""
     nan = float("nan")
     count, of_stress = discretisation.mesh.node_count, discretisation.stress_nodes.count
     nothing = np.full(count, nan)

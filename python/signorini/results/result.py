@@ -1,4 +1,4 @@
-"""Results of one combination, with pictures, files and tables."""
+"""Results of one combination, with methods for pictures, files and tables."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 @checked
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(ResultState):
-    """Results of one combination, with pictures and files; `ResultState` has the fields and numbers."""
+    """Results of one combination, with methods for pictures and files; `ResultState` has the fields and numbers."""
 
     def probe(self, points: Points) -> list[ProbeResult]:
-        """Results at points (q, 2) of the plate.
+        """Results at points (q, 2) of the plate, one `ProbeResult` for each.
 
         Raises
         ------
@@ -53,10 +53,10 @@ class Result(ResultState):
         return [*probe_results(positions, sides.larger(nodes.at(sides, fields)), pressures, thickness)]
 
     def pressure(self, points: Points) -> Floats:
-        """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
+        """Contact pressure (q,) of area supports at points (q, 2) of the plate, positive where they push the plate up.
 
-        It is 0 at a gap, and NaN without area support. On an elastic area it is k ⟨w − settlement − gap⟩, on a rigid
-        one, in each element, reaction over area.
+        It is 0 where the support is open, and NaN without area support. On an elastic area the pressure is k ⟨w −
+        settlement − gap⟩, on a rigid area the reaction of each element over the element's area.
 
         Raises
         ------
@@ -93,7 +93,7 @@ class Result(ResultState):
         limits: tuple[float, float] | None = None,
         plus_minus: Mapping[str, Any] | None = None,
     ) -> Axes:
-        """Draw a field as contours, with the supports as open or closed, like the pictures of the command.
+        """Draw a field as contours, with the supports as open or closed, as in the pictures of the command.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class Result(ResultState):
         return draw_field(self, field, ax, limits, plus_minus)
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
-        """Write a .vtu file with every field; the displacement vector points down where the plate goes down.
+        """Write a .vtu file with every field; the displacement vector points down (−z) where the plate moves down.
 
         Raises
         ------
@@ -130,7 +130,7 @@ class Result(ResultState):
     def to_pyvista(self) -> Any:
         """Convert the plate with every field to a `pyvista.UnstructuredGrid`; PyVista must be installed.
 
-        Several plates become a `pyvista.MultiBlock` by name.
+        Several plates become a `pyvista.MultiBlock` of grids by name of the plate.
 
         Raises
         ------
@@ -146,10 +146,10 @@ class Result(ResultState):
         return package("pyvista").from_meshio(mesh)
 
     def to_dataframe(self) -> Any:
-        """Convert the ``numbers`` to a `pandas.DataFrame`, a row for each: value, unit, position. It needs pandas.
+        """Convert the ``numbers`` to a `pandas.DataFrame` with a row for each: value, unit, position.
 
-        Rows have the names of thresholds, such as "bolts[1].reaction". x and y are the position of a point, a probe, a
-        station or an extreme, else NaN.
+        pandas must be installed. Rows have the names of thresholds, such as "bolts[1].reaction". x and y are the
+        position of a point, a probe, a station or an extreme; NaN for other numbers.
 
         Examples
         --------
@@ -168,5 +168,5 @@ class Result(ResultState):
         return numbers_frame(self)
 
     def _repr_html_(self) -> str:
-        """Show the supports in a notebook."""
+        """Show a table of the supports in a notebook."""
         return in_notebook(self, None, "")

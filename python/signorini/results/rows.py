@@ -28,9 +28,11 @@ from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOVED = 1.0 + 1e-9
-"""Smallest ratio of a travel to the travel at rest of a lifted point: more than rounding."""
+"""Smallest ratio of a lifted point's travel to its travel at rest: the difference is more than rounding."""
 _MOST_BEARINGS = 100
-"""Largest number of points of a support that are bearings of their own; with more points the support is one bearing."""
+"""Largest number of points of a support each of which is a bearing; if there are more points, the support is one
+bearing.
+"""
 
 Column = Sequence[str] | Floats | Ints
 NamedColumns = Iterable[tuple[str, Column]]
@@ -38,37 +40,38 @@ NamedColumns = Iterable[tuple[str, Column]]
 
 @dataclass(frozen=True)
 class Bearing:
-    """Owner of a reaction: point number ``point`` (from 1) of a support at points, or a whole support (None)."""
+    """Owner of a reaction: point number ``point``, from 1, of a support at points; or, if None, a whole support."""
 
     support: int
     point: int | None
     at: tuple[float, float] | None
 
     def column(self, model: Model, what: str = "reaction") -> str:
-        """Name of the column of one of its quantities, by default of the reaction."""
+        """Name of the table's column with one of the bearing's quantities, by default its reaction."""
         name = model.support[self.support].name
         return f"{what}:{name}" if self.point is None else f"{what}_at:{name}[{self.point}]"
 
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """Nodes (n,) of a field that are excluded from extremes, in classes of nodes excluded by the same load cases.
+    """Nodes (n,) that are excluded from the extremes of a field.
 
-    The field is singular there, or the nodes never count (`StressNodes.counting`).
+    A node is excluded if the field is singular there under an acting load case, or if the node never counts
+    (`StressNodes.counting`). Nodes that the same load cases exclude form a class.
     """
 
-    classes: Ints  # (n,): class of each node; class 0 is never excluded
-    always: Bools  # (c,): classes that are excluded under all loads
-    by_case: Mapping[str, Bools]  # for each load case, mask (c,) of the classes that it excludes
+    classes: Ints  # (n,): number of the class of each node; class 0 is never excluded
+    always: Bools  # (c,): whether each class is excluded under all loads
+    by_case: Mapping[str, Bools]  # for each load case: mask (c,) of the classes that it excludes
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:
-        """Exclude none of ``count`` nodes."""
+        """`Hidden` in which none of ``count`` nodes is excluded."""
         return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
 
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """Find the nodes at which results called ``number`` in `Singularity.numbers` are singular.
+        """Find the nodes at which a result is singular; ``number`` is its name in `Singularity.numbers`.
 
         If ``number`` is empty, only nodes that never count are excluded.
         """
@@ -92,7 +95,10 @@ class Hidden:
         return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
 
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
-        """Mask (k, c) of the classes excluded in k rows, given their load cases (k, a); none if all nodes would be."""
+        """Mask (k, c) of the classes that are excluded in k rows, given the mask (k, a) of load cases that act.
+
+        No class is excluded in a row that would exclude all nodes.
+        """
         result = np.tile(self.always, (len(acting), 1))
         for column, case in enumerate(cases):
             if case in self.by_case:
@@ -103,15 +109,15 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class PlateLayout:
-    """Data of one plate for filling rows."""
+    """Catalogue and excluded nodes of one plate; they are needed to compute rows of a table."""
 
     plate: OfWhole
-    catalogue: Catalogue  # catalogue of the plate's numbers
-    hidden: Mapping[str, Hidden]  # for every field, the nodes excluded from its extremes
+    catalogue: Catalogue  # names and units of this plate's numbers
+    hidden: Mapping[str, Hidden]  # for each field, the nodes that are excluded from its extremes
 
     @classmethod
     def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
-        """Data of one plate; ``fields`` are those with extremes."""
+        """Layout of one plate for rows; ``fields`` are the fields whose extremes are in the rows."""
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
@@ -119,37 +125,38 @@ class PlateLayout:
 
     @property
     def beside(self) -> Beside:
-        """Points at which moments or shears of this plate are singular."""
+        """Points of this plate at which moments or shears are singular."""
         return beside_of(self.plate.own)
 
     def nodes_of(self, field: str) -> slice | Ints:
-        """Nodes of a field of this plate, among those of all plates."""
+        """Slice or indices of this plate's nodes of a field, among the nodes of all plates."""
         return self.plate.stress_nodes if field in PEAKING else self.plate.nodes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
-    """Columns of a model's rows, and the data for filling them."""
+    """Columns of a model's table, and the data that are needed to compute its rows."""
 
     model: Model
-    catalogue: Catalogue  # the numbers of every row
+    catalogue: Catalogue  # names and units of the numbers of a row
     supports: tuple[SupportPoints, ...]
-    at_rest: Mapping[int, AreaContact]  # areas without load, by the index of their support in the model
-    lines: Mapping[int, Line]  # lines of supports, by the index of the support in the model
-    fields: tuple[str, ...]  # fields with envelopes
+    at_rest: Mapping[int, AreaContact]  # contact of areas without load, by index of the support in the model
+    lines: Mapping[int, Line]  # lines of supports, by index of the support in the model
+    fields: tuple[str, ...]  # names of the fields with envelopes
     probes: Floats  # (q, 2): positions of probes
-    nodes: Floats  # (s, 2): positions of stress nodes; the nodes of the mesh come first
+    nodes: Floats  # (s, 2): positions of stress nodes; the mesh's nodes are the first
     members: tuple[PlateLayout, ...]
-    rest: Floats  # (p,): for every point of every support, its travel in a plate at rest; infinite if it is apart
+    # (p,): travel of every point of every support in a plate at rest; infinite if the point is apart from it
+    rest: Floats
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model; extremes are those of the fields in ``output.envelope``."""
+        """Lay out the table of a model; fields with extremes are those in ``output.envelope``."""
         asked: Sequence[str] = discretisation.model.output.envelope
         fields = tuple(name for name in FIELDS if name in asked)
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
-        # With several plates, areas are in the results of each plate.
+        # With several plates, contact areas are computed from the results of each plate.
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         members = tuple(PlateLayout.of(plate, fields) for plate in discretisation.members)
@@ -171,7 +178,7 @@ class Layout:
 
     @cached_property
     def on_lines(self) -> Mapping[int, slice]:
-        """For each line, the slice of its reactions per length and concentrated forces among those of all lines."""
+        """For each line, the slice of its reactions per length and concentrated forces in `Block.on_lines`."""
         ends = np.cumsum([0, *(len(line.s) + len(line.corners) for line in self.lines.values())]).tolist()
         return {index: slice(a, b) for index, (a, b) in zip(self.lines, pairwise(ends), strict=True)}
 
@@ -182,17 +189,17 @@ class Layout:
 
     @cached_property
     def pressures(self) -> Pressures:
-        """Pressures of all areas together."""
+        """Pressures of all area supports of the model."""
         return Pressures(list(self.at_rest.values()))
 
     @cached_property
     def around_areas(self) -> Ints:
-        """Nodes (k,) of the elements of elastic areas; their deflections determine pressures and contact areas."""
+        """Nodes (k,) of the elements on elastic areas; their deflections determine pressures and contact areas."""
         return nodes_around(self.at_rest.values())
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
-        """Owners of reactions: points of supports at points, unless too many, and all other supports as a whole."""
+        """Owners of reactions: points of supports at points, unless there are too many; other supports as a whole."""
         result = []
         for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
             if support.place == "at" and 0 < len(points.positions) <= _MOST_BEARINGS:
@@ -204,7 +211,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Quantity and owner of numbers whose extremes are listed with all reactions: reactions, gaps, pressures."""
+        """Pairs (quantity, owner) whose extremes are listed together with all reactions in the same row."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if self.model.support[one.support].area is not None]
@@ -217,7 +224,7 @@ class Layout:
 
     @cached_property
     def governed_places(self) -> Ints:
-        """Indices (e,) of the governed numbers in the catalogue; the reactions of the bearings are first."""
+        """Indices (e,) in the catalogue of the numbers ``governed``; reactions of the bearings are first."""
         places = [self.catalogue.by_column[bearing.column(self.model, what)] for what, bearing in self.governed]
         return np.array(places, np.int64)
 
@@ -230,26 +237,27 @@ class Layout:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
-    """Consecutive results (k,), the rows of a table; NaN and 0 where there is no equilibrium."""
+    """Consecutive results (k,), which are rows of a table; NaN and 0 in rows without equilibrium."""
 
-    first: int  # number of the first result
-    solved: Bools  # (k,)
+    first: int  # number of the block's first row in the table, from 0
+    solved: Bools  # (k,): whether there is an equilibrium
     method: list[str]
     not_unique: list[str]
-    iterations: Ints  # (k,)
-    certificate: Floats  # (k, 5): errors in the order of `FIGURES`
-    values: Floats  # (k, n): in the order of the layout's catalogue
+    iterations: Ints  # (k,): Lemke pivots or Newton steps
+    certificate: Floats  # (k, 5): errors of the certificate in the order of `FIGURES`
+    values: Floats  # (k, n): numbers of each row in the order of the layout's catalogue
     reaction: Floats  # (k, p): reactions of every point of every support
-    closed: Bools  # (k, p)
-    lifted: Bools  # (k, p): open, although the plate at rest touches the point, and moved away from it
+    closed: Bools  # (k, p): whether each point is closed
+    # (k, p): whether the plate has lifted off each point: without gap at w = 0, but open in this row
+    lifted: Bools
     on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    # (k, f, 4, 2): positions of the extremes of each field and of its means; behind them those of each plate
+    # (k, f, 4, 2): positions of the extremes of each field and of its means; after these, those of each plate
     places: Floats
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:
-        """Block of ``count`` results that are not yet filled in."""
+        """Block of ``count`` rows without numbers; its first row has the number ``first``."""
 
         def nan(*shape: int) -> Floats:
             return np.full((count, *shape), np.nan)
@@ -274,11 +282,11 @@ class Block:
 
     @property
     def numbers(self) -> Ints:
-        """Numbers (k,) of the block's results among all results."""
+        """Numbers (k,) of the block's rows among all rows."""
         return self.first + np.arange(len(self.solved))
 
     def put(self, row: int, layout: Layout, result: ResultState) -> None:
-        """Fill a row from a complete result."""
+        """Fill a row of the block from the complete result of a combination."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
         self.iterations[row] = result.iterations
@@ -303,7 +311,10 @@ class Block:
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
     def put_supports(self, rows: Ints, layout: Layout, member: PlateLayout, readings: Readings) -> None:
-        """Fill rows (r,) with the supports of one plate, from sums of readings."""
+        """Fill the support columns of rows (r,) for one plate.
+
+        ``readings`` are those of the r combinations, superposed from load cases and contact points.
+        """
         if layout.at_rest:
             self.on_areas[rows] = readings.linear.on_areas
         for index, of in zip(member.plate.numbers["support"], readings.supports, strict=True):
@@ -316,7 +327,7 @@ class Block:
                 self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 
     def put_numbers(self, rows: Ints, layout: Layout, each: Sequence[Floats], places: Sequence[Floats]) -> None:
-        """Fill rows (r,) with the numbers (r, n) of every plate and the positions (r, f, 4, 2) of its extremes."""
+        """Fill rows (r,) with the numbers (r, n) of every plate and the positions (r, f, 4, 2) of their extremes."""
         self.values[rows] = layout.catalogue.of_members(each)
         count = len(layout.fields)
         if len(each) == 1:
@@ -337,16 +348,16 @@ class Block:
             self.places[rows[:, None], fields, end] = chosen
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
-        """Deflections (r, k) of the nodes on an area in some rows; k = 0 for a rigid area."""
+        """Deflections (r, k) in rows (r,) of the nodes on an area; k = 0 for a rigid area."""
         if not area.support.is_elastic:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]
 
     def columns(self, layout: Layout, keys: NamedColumns, loads: NamedColumns = ()) -> Iterator[tuple[str, Column]]:
-        """Yield every column (k,) with its name.
+        """Yield the name and the values (k,) of every column.
 
-        ``keys`` are the columns that identify the rows, ``loads`` those of the load.
+        ``keys`` are the columns that identify the rows, ``loads`` the columns that describe the load.
         """
         yield from keys
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
@@ -364,7 +375,7 @@ class Block:
 
 
 def together(blocks: Iterable[NamedColumns]) -> Mapping[str, Column]:
-    """Join the columns of consecutive blocks: texts to tuples, numbers to read-only arrays."""
+    """Join the columns of consecutive blocks; columns of texts become tuples, those of numbers read-only arrays."""
     result: dict[str, list[Column]] = {}
     for block in blocks:
         for name, values in block:

@@ -1,4 +1,4 @@
-"""State of a combination: fields at nodes, supports, numbers and certificate."""
+"""State of a plate under one combination: fields at nodes, supports, numbers and certificate."""
 
 from __future__ import annotations
 
@@ -37,29 +37,32 @@ class ResultState(Remade):
     rotation : (n, 2) array
         Slopes θx, θy.
     stress_nodes : StressNodes
-        Stress nodes (s,), at which moments and shears are given, and elements (ne, 8) in their numbers. First are the
-        mesh's nodes; then one more for each further side of a node on a jump of thickness or stiffness.
+        The s nodes at which moments and shears are given, and elements (ne, 8) by numbers of these nodes. The first are
+        the mesh's nodes. A node on a jump of thickness or stiffness has a further stress node for each further side of
+        the jump.
     moment : (s, 3) array
-        mx, my, mxy, sagging positive: means at nodes from the superconvergent points, but not across jumps.
+        mx, my, mxy at stress nodes, sagging positive. Values at superconvergent points of elements are averaged at
+        nodes, but not across jumps.
     shear : (s, 2) array
         qx, qy.
     nodal_reaction : (n,) array
-        Upward force on every node by supports at points, along lines and along edges. Areas have pressures instead;
-        footprints spread their reactions.
+        Upward force on every node by supports at points, along lines and along edges. Area supports are left out, since
+        they have pressures, and so are footprints, which spread their reactions.
     supports, sections, strips : tuple of SupportResult, SectionResult, StripResult
-        Results of supports, forces through sections, mean moments of strips. Each is found by its number from 0 or
-        its name, as ``supports["columns"]``.
+        Results of supports, forces through sections, mean moments of strips. The index is a number from 0 or a name, as
+        in ``supports["columns"]``.
     method : str
-        "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
+        Method that found the answer: "lemke", "active_set" or "saddle"; "given" for reactions passed to
+        `signorini.recover`.
     unsettled : tuple of str
-        Methods that were tried before and gave no certified answer; almost always empty.
+        Methods that were tried before ``method`` and gave no certified answer; almost always empty.
     iterations : int
         Pivots of Lemke's algorithm, or Newton steps of the active set.
     not_unique : tuple of NotUnique
-        Freedoms of the answer, if supports repeat each other or the plate may rest at other positions. Given are the
-        least reactions and then the least deflection. Empty if the answer is unique.
+        How the answer may differ, if supports are redundant or the plate may rest in other positions. The result then
+        has the reactions of least norm and, for these, the deflection of least norm. Empty if the answer is unique.
     warnings : tuple of str
-        Sentences on input or results that are probably not meant.
+        Sentences on input or results that are probably a mistake.
     singular : tuple of Singularity
         Places at which results diverge as the mesh is refined, and the names of these results.
     thickness : (s,) array
@@ -67,12 +70,12 @@ class ResultState(Remade):
     catalogue : Catalogue
         Names, units and paths of ``numbers``.
     combination : Combination or None
-        The load as factors of the model's cases; None if it is another load.
+        The load as factors of the model's load cases; None if the load is not a combination of load cases.
     means : Means or None
-        Means of moments and shears at singular places. None if there is no equilibrium.
+        Means of moments and shears at singular points; None if there is no equilibrium.
     plates : mapping of Result
-        Results of each of several plates by name; contacts with other plates are among its supports. The fields of the
-        whole are those of the plates, concatenated.
+        If there are several plates, the result of each by name; contacts with other plates are among a plate's
+        supports. The fields of this result are then the concatenated fields of the plates.
     """
 
     name: str
@@ -101,7 +104,7 @@ class ResultState(Remade):
     thickness: Floats
     catalogue: Catalogue
     _read: Floats
-    """Numbers (k,) of the catalogue without extremes of fields, which are NaN."""
+    """Numbers (k,) in the order of the catalogue; extremes of fields are NaN here and computed by ``numbers``."""
     combination: Combination | None
     means: Means | None = None
     punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
@@ -110,22 +113,22 @@ class ResultState(Remade):
 
     @property
     def members(self) -> Mapping[str, Self]:
-        """The plates by name; a single plate is its only member."""
+        """Results of the plates by name; a single plate is its only member."""
         return self.plates or {"": self}
 
     @property
     def counted(self) -> str:
-        """Unit that ``iterations`` counts."""
+        """Unit in which ``iterations`` counts, such as pivots."""
         return "pivots" if self.method == "lemke" else "Newton steps"
 
     @property
     def heading(self) -> str:
-        """Title of the result's pictures: the model's title, and the result's name."""
+        """Title of the result's pictures: the title of the model and the name of the result."""
         return ", ".join(part for part in (self.model.title, self.name) if part)
 
     @property
     def reactions(self) -> Mapping[str, float]:
-        """Total reaction of every support by name, positive when it pushes the plate up."""
+        """Total reaction of every support by name, positive when the support pushes the plate up."""
         return Named({support.name: support.reaction for support in self.supports}, "support", "This result")
 
     @cached_property
@@ -199,7 +202,10 @@ class ResultState(Remade):
         return Named(found, "field", "This mapping of extremes")
 
     def excluding(self, number: str) -> list[Singularity]:
-        """Singularities around which nodes are excluded from extremes of "moment" or "shear"; none if all would be."""
+        """Singularities around which nodes are excluded from extremes of "moment" or "shear".
+
+        The list is empty if all nodes would be excluded.
+        """
         result = []
         for name, of in self.members.items():
             those = [one for one in of.singular if one.excludes(number)]
@@ -208,7 +214,7 @@ class ResultState(Remade):
 
     @cached_property
     def numbers(self) -> Floats:
-        """Every number (k,) of the ``catalogue``, in its order; NaN if missing."""
+        """Every number (k,) in the order of the ``catalogue``; NaN for missing numbers."""
         if self.status != "solved":
             return self._read
         if self.plates:
@@ -221,7 +227,7 @@ class ResultState(Remade):
         return result
 
     def require_fields(self) -> None:
-        """Raise `InputError` for several plates, and for a result without equilibrium."""
+        """Raise `InputError` if the result is that of several plates, or has no equilibrium."""
         if self.plates:
             names = ", ".join(f'plates["{name}"]' for name in self.plates)
             raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")

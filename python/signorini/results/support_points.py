@@ -1,4 +1,4 @@
-"""Points of each support: held nodes, springs and contact points; and the closed part of the support."""
+"""Points of each support: held nodes, springs and contact points; and the closed part of a support."""
 
 from __future__ import annotations
 
@@ -18,19 +18,29 @@ from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 
 @dataclass(frozen=True, eq=False)
 class SupportPoints:
-    """Points (p,) of one support. On an area with element means, each point is an element with all forces in it."""
+    """Points (p,) of one support.
 
-    nodes: Ints  # (h,): nodes whose deflection it holds; held nodes and springs are "fixed" points, always closed
-    springs: Ints  # (s,)
-    share: Floats  # (h,): its part of the reaction at each node, equal for all supports that hold the node
-    rows: Ints  # (r, c): contact points, repeated ones included; a point with travel in both directions has two rows
-    direction: Floats  # (r, c): +1 where a row pushes the plate up, −1 where it holds it down
-    order: Ints  # (h + s + c,): permutation from nodes, springs, contact points to the order of the input
-    positions: Floats  # (p, 2): in the order of the input
-    weights: Floats  # (p,): length or area that each point represents; 1 at a point
-    elements: Ints  # (p,): element that each point is in; −1 for held nodes
-    shares: csr_array | None  # (c', c): for an area with element means, each element's shares of its contact points
-    turning: Ints  # (p, 2): springs of each point on θx and θy; empty without a rotational stiffness
+    On an area with element means, each point is an element, with all forces in this element.
+    """
+
+    nodes: Ints
+    """Nodes (h,) at which the support holds the deflection. Held nodes and springs are "fixed" points, which are always
+    closed."""
+    springs: Ints  # (s,): numbers of the support's springs
+    # (h,): the support's share of the reaction at each held node, equal for all supports that hold the node
+    share: Floats
+    rows: Ints
+    """Numbers (r, c) of contact points, including repeated points; r = 2 if a point has a row for each direction of
+    travel."""
+    direction: Floats  # (r, c): +1 if a row pushes the plate up, −1 if a row holds the plate down
+    order: Ints  # (h + s + c,): takes held nodes, springs, contact points to the order of the input
+    positions: Floats  # (p, 2): positions of the points in the order of the input
+    weights: Floats  # (p,): length or area that each point represents; 1 for supports at points
+    elements: Ints  # (p,): element that contains each point; −1 for held nodes
+    # (c', c): for an area with element means, the shares of each element in the area's contact points
+    shares: csr_array | None
+    # (p, 2): numbers of each point's springs on θx and θy; empty without a rotational stiffness
+    turning: Ints
 
     @staticmethod
     @kept
@@ -39,13 +49,13 @@ class SupportPoints:
         contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(discretisation.held.nodes, minlength=discretisation.mesh.node_count)[nodes]
-        # A slice avoids a copy if the support has all contact points.
+        # If the support has all contact points, a slice avoids a copy of the arrays.
         first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
         shared, shares = contacts.shared[first], None
         if (shared >= 0).any():
             elements, shares = _shares(shared, weight)
-            # An element's position is that of its mean, which precedes points shared with other elements.
+            # The first contact point of an element is its mean; the element has this point's position.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
         positions = np.concatenate(
@@ -58,21 +68,21 @@ class SupportPoints:
         direction, weights = contacts.direction[rows], weights[order]
         located = positions[order], weights, elements[order]
         of_slopes = np.flatnonzero(discretisation.springs.slope & (discretisation.springs.support == index))
-        # The springs on θy (about x) are stored before those on θx (about y): reversed here.
+        # The springs on θy are stored before those on θx; here their order is reversed.
         at_points = discretisation.model.support[index].place == "at"
         turning = of_slopes.reshape(2, -1)[::-1].T if at_points else np.zeros((0, 2), np.int64)
         return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares, turning)
 
     @property
     def fixed(self) -> int:
-        """Number of held nodes and springs."""
+        """Number of "fixed" points: held nodes and springs."""
         return len(self.nodes) + len(self.springs)
 
     def forces(self, fixed: Floats, reaction: Floats) -> Floats:
-        """Upward force (..., p) of every point.
+        """Upward force (..., p) of every point of the support.
 
         ``fixed`` (..., h + s) are the forces of held nodes and springs, ``reaction`` (..., m + r) those of all contact
-        and repeated points.
+        points and repeated points.
         """
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
         fixed = fixed * np.concatenate([self.share, np.ones(len(self.springs))])
@@ -83,19 +93,19 @@ class SupportPoints:
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
     def preloads(self, discretisation: Discretisation) -> Floats:
-        """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
+        """Upward force (p,) of every point when all bolts are tightened, before other loads act."""
         return self.forces(np.zeros(self.fixed), discretisation.points.preload)
 
     def tightened_to(self, discretisation: Discretisation) -> Floats:
-        """Upward force (p,) to which every point was last tightened; 0 where it was not."""
+        """Upward force (p,) to which every point was last tightened; 0 at points that were not tightened."""
         return self.forces(np.zeros(self.fixed), discretisation.points.tightened_to)
 
     def moments(self, pull: Floats) -> Floats:
-        """Couples (..., p, 2) on θx and θy that points exert on the plate, given the forces (..., s) of all springs."""
+        """Couples (..., p, 2) on θx and θy that points exert on the plate, from forces (..., s) of all springs."""
         return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
-        """Point of application (p, 2) of every point's force, given contact forces (m,); in elements the centroid."""
+        """Position (p, 2) of every point's force, given contact forces (m,); in an element the forces' centroid."""
         if self.shares is None:
             return self.positions
         pushing = np.abs(reaction[self.rows]).sum(axis=0)
@@ -109,7 +119,7 @@ class SupportPoints:
         return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
 
     def gaps(self, gap: Floats) -> Floats:
-        """Remaining free travel (..., p) of every point, given gaps of contact points (..., m); 0 for repeated ones."""
+        """Remaining free travel (..., p) of points, given gaps (..., m) of contact points; 0 for repeated points."""
         gap = _with(np.maximum(gap, 0.0), self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         if self.shares is not None:
@@ -118,16 +128,17 @@ class SupportPoints:
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
     def rest(self, discretisation: Discretisation) -> Floats:
-        """Travel (p,) of every point in a plate at rest, w = 0; infinite if it does not touch the unloaded plate.
+        """Travel (p,) of every point if the plate is at rest, w = 0; infinite if the point does not touch it.
 
-        Otherwise it is the settlement of the support away from the plate. A plate that opens further has lifted there.
+        Otherwise the travel is the settlement of the support away from the plate. If a point has more travel, the plate
+        has lifted off it.
         """
         contacts = discretisation.contacts
         apart = contacts.distance > contacts.settlement
         return self.gaps(np.where(apart, np.inf, contacts.settlement))
 
     def closed(self, closed: Bools) -> Bools:
-        """Whether every point (..., p) is closed, given contact points (..., m); repeated points are closed."""
+        """Mask (..., p) of closed points, given that (..., m) of contact points; repeated points count as closed."""
         closed = _with(closed, self.rows, True)
         touching = np.asarray(closed[..., self.rows].any(axis=-2))
         if self.shares is not None:
@@ -136,9 +147,9 @@ class SupportPoints:
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
     def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
-        """Pieces (p,) of the laws, given those of contact points (m,).
+        """Pieces (p,) of the laws of this support's points, given those of all contact points (m,).
 
-        Pieces of a support with travel in both directions are numbered by travel down.
+        If a support has travel in both directions, its pieces are numbered in the order of travel down.
         """
         contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
         if len(own) == 2:
@@ -147,7 +158,7 @@ class SupportPoints:
         return np.concatenate([np.zeros(self.fixed, np.int64), own[0]])[self.order]
 
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
-        """Whether the reaction of every point (p,) reaches its limit, from the reactions of all points (m + r,).
+        """Mask (p,) of the points whose reaction reaches its limit, given the reactions (m + r,) of all points.
 
         The force decides, not the piece as in `ContactPoints.yield_on`: repeated points have a share of the force, but
         no piece.
@@ -161,21 +172,22 @@ class SupportPoints:
 
 
 def _with(values: Floats | Bools | Pieces, rows: Ints, repeated: float) -> Any:
-    """Append ``repeated`` to values (..., m) of contact points, for repeated points as far as ``rows`` need it."""
+    """Append the value ``repeated`` to values (..., m) of contact points, for each repeated point in ``rows``."""
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)
     return np.concatenate([values, behind], axis=-1) if more else values
 
 
 def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
-    """Elements (e,), and their shares (e, c) in contact points that represent parts of elements (c, 4).
+    """Elements (e,), and their shares (e, c) in contact points that represent parts of up to four elements (c, 4).
 
-    Shares are by area, so that a point on the outline presses as much in a sliver as in the element beside it.
+    Shares are proportional to area, so that a point on the outline causes the same pressure in a small part of an
+    element as in the adjacent element.
     """
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)
     several = np.bincount(element, minlength=len(elements)) - 1
-    # An element's mean precedes the points on the outline, which have taken their parts of its area.
+    # An element's mean precedes the points on the outline; their parts are subtracted from the mean's area.
     mean = np.full(len(elements), len(shared))
     np.minimum.at(mean, element, point)
     area = weights[mean] / (1.0 - STRIP * several)
@@ -186,32 +198,33 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 
 
 _ALL = 1.0 - 1e-9
-"""Smallest ratio of a force to its limit at which the force counts as at the limit: the difference is rounding."""
+"""Smallest ratio of a force to its limit at which the force counts as at the limit; the difference is due to rounding.
+"""
 _INWARD = 3e-10
-"""Distance, relative to the plate's size, by which an element's point is kept inside: corners belong to several
+"""Distance by which an element's point is moved inward, relative to the plate's size, since corners belong to several
 elements.
 """
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Divisors of reactions and lengths that make margins of closed and open points comparable."""
+    """Divisors of forces and lengths with which margins of closed and of open points can be compared."""
 
     force: float
     length: float
 
     @classmethod
     def of(cls, answer: Answer) -> Scales:
-        """Take the largest reaction and travel of an answer."""
+        """Divisors from an answer: its largest reaction, and its largest gap or deflection."""
         force = float(np.abs(answer.shared).max(initial=0.0))
         length = max(float(np.abs(one).max(initial=0.0)) for one in (answer.gap, answer.hi[::3]))
         return cls(force or 1.0, length or 1.0)
 
 
 def closed_part(discretisation: Discretisation, index: int, answer: Answer, area: float) -> float:
-    """Closed part of a support, 0 to 1: of points by number, of lines by length, of areas by contact ``area``.
+    """Closed part of a support, 0 to 1: of points by number, of lines by length, of areas by the contact ``area``.
 
-    On a line the edge of contact is interpolated linearly between two points.
+    On a line, the boundary of the closed part is interpolated linearly between two points.
     """
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     whole = float(points.weights.sum())
@@ -232,7 +245,7 @@ def closed_part(discretisation: Discretisation, index: int, answer: Answer, area
 
 
 def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """Margin (p,) of each point, scaled: overlap if elastic, or reaction if rigid; minus the gap if open."""
+    """Scaled margin (p,) of each point: the overlap if elastic, or the reaction if rigid; minus the gap if open."""
     contacts = discretisation.contacts
     soft = contacts.compliance > 0
     pressing = np.where(soft, contacts.compliance * answer.reaction / scales.length, answer.reaction / scales.force)
@@ -246,7 +259,7 @@ def closed_by_point(discretisation: Discretisation, points: SupportPoints, answe
 
 
 def in_falling_order(own: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Sort values in falling order; return them, and the middles of their cumulative weights, relative to the total."""
+    """Sort values in falling order; return these, and the middles of their cumulative weights relative to the total."""
     order = np.argsort(-own, kind="stable")
     sorted_weights = weights[order] / weights.sum()
     return own[order], np.cumsum(sorted_weights) - 0.5 * sorted_weights

@@ -1,4 +1,4 @@
-"""Results of each support: kind in words, reactions, gaps, states, contact of areas."""
+"""Results of each support: kind in words, reactions, gaps, states, and contact of areas."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from signorini.results.readings import Readings, SupportForces
 
 @dataclass(frozen=True, eq=False)
 class EdgeCouples:
-    """Mean couple per length (k,) with which a support holds element sides (k, 2, 2) along its edges.
+    """Mean couple per length (k,) with which a support holds element sides (k, 2, 2) along edges of the plate.
 
-    Each side has the plate on its left. No side is within a rigid zone or inside the plate. A couple acts across the
-    edge, positive where the plate sags.
+    A side is given by its two ends and has the plate on its left. Sides within a rigid zone or inside the plate are
+    left out. A couple acts across the edge, positive where the plate sags.
     """
 
     sides: Floats
@@ -33,7 +33,7 @@ class EdgeCouples:
 
     @classmethod
     def of_springs(cls, mesh: Mesh, edges: Sequence[str], positions: Floats, couples: Floats) -> Self:
-        """Sum the couples of springs (s,) at points (s, 2) over each side of the edges, and divide by its length."""
+        """Sum the couples of springs (s,) at positions (s, 2) over each side of the edges, divided by its length."""
         sides = _sides(mesh, edges, np.zeros(mesh.node_count, np.bool_))
         begin, end = mesh.points[sides[:, 0]], mesh.points[sides[:, 2]]
         along = end - begin
@@ -45,10 +45,10 @@ class EdgeCouples:
 
     @classmethod
     def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
-        """Spread couples (n, 2) of held nodes over the lengths that nodes represent, as consistent nodal forces.
+        """Spread couples (n, 2) of held nodes over the lengths that nodes represent, as for consistent nodal forces.
 
-        A node where two ``held`` sides (h, 3) meet at a corner, or in a rigid zone (n,), has couples of several sides.
-        There the mean of the side is that of its other nodes.
+        A node has couples of several sides if two ``held`` sides (h, 3) meet at a corner there, or if it is in a rigid
+        zone, ``rigid`` (n,). For such a node the mean of the side's other nodes is used.
 
         Examples
         --------
@@ -69,7 +69,7 @@ class EdgeCouples:
 
 
 def _sides(mesh: Mesh, edges: Sequence[str], rigid: Bools) -> Ints:
-    """Sides (k, 3) of elements along edges, each once, without those in a rigid zone (n,) or inside the plate."""
+    """Sides (k, 3) of elements along edges, each once, without sides in a rigid zone (n,) or inside the plate."""
     sides = np.concatenate([mesh.edges[name] for name in edges])
     sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
     outer = mesh.sides[mesh.on_boundary][:, 1]
@@ -87,13 +87,13 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 
 def kinds(support: Support) -> list[str]:
-    """Kinds of a support, keys of `MEANINGS` and `SYMBOLS`: its direction, and whether it is elastic."""
+    """Kinds of a support, which are keys of `MEANINGS` and `SYMBOLS`: direction, and whether the support is elastic."""
     how = "fixed" if support.fixed else support.direction
     return [how, "elastic"] if support.is_compliant else [how]
 
 
 def symbol(support: Support) -> str:
-    """Symbol of a support in tables."""
+    """Symbol of a support's kind in tables."""
     return "".join(SYMBOLS[kind] for kind in kinds(support))
 
 
@@ -126,35 +126,36 @@ class SupportResult(Remade):
     Parameters
     ----------
     name, kind : str
-        Name of the support; text on its place and the direction in which it holds.
+        Name of the support; text that says where the support is and in which direction it acts.
     place : str
         Key of the support's place: "at", "edge", "line", "circle" or "area".
     numbers : mapping of float
         Quantities of the support by their names in results.json: reaction, closed, contact_area and so on.
     positions : (k, 2) array
-        Points of the support; ``reactions``, remaining ``gaps`` and ``closed`` (k,) are theirs. Springs and held nodes
-        are always closed. A point of a rigid or practically rigid area is an element; its position is the centroid of
-        the forces in it.
+        Positions of the support's k points. ``reactions`` (k,) are the points' upward forces, ``gaps`` (k,) their
+        remaining free travels, and ``closed`` (k,) marks closed points. Springs and held nodes are always closed. A
+        point of a rigid or practically rigid area is an element; its position is the centroid of the forces in the
+        element.
     weights : (k,) array
-        Length or area that each point represents; 1 at a point.
+        Length or area that each point represents; 1 for a support at points.
     area : AreaContact or None
-        Contact of an area support as a field.
+        Contact of an area support: pressure, contact area, edge of contact.
     edge : EdgeCouples or None
-        Couples per length of edges that hold the slope.
+        Couples per length, if the support is along edges and holds the slope.
     line : LineReactions or None
-        Reactions per length of edges, lines and circles that act on the deflection.
+        Reactions per length, if the support is along edges, a line or a circle and acts on the deflection.
     yielded : (k,) array
         Mask of the points whose reaction reaches the limit.
     pieces : (k,) array or None
-        Piece of the law of each point, from 0 in the order of travel, if the points have a law or a limit.
+        Piece of its law on which each point is, from 0 in the order of travel; None without a law or a limit.
     moments : (k, 2) array or None
-        Couples on θx and θy that points with a rotational stiffness exert on the plate.
+        Couples on θx and θy that points with a rotational stiffness exert on the plate; None without such a stiffness.
     tightened_to : (k,) array or None
-        Reactions to which bolts were last tightened, negative; 0 for a bolt that was not tightened.
+        Reactions (negative) to which bolts were last tightened; 0 for a bolt that was not tightened.
     preloads : (k,) array or None
         Reactions of bolts when all bolts are tightened and before other loads act.
     upon : bool
-        Whether another plate rests on this one through the support.
+        Whether another plate rests on this plate through the support.
     """
 
     name: str
@@ -178,33 +179,33 @@ class SupportResult(Remade):
 
     @property
     def changes(self) -> Floats | None:
-        """Change (k,) of the reactions by loads at points with a preload."""
+        """Change (k,) of the reactions at points with a preload, caused by the loads after tightening."""
         return None if self.preloads is None else self.reactions - self.preloads
 
     @property
     def bolt_forces(self) -> Mapping[str, Floats]:
-        """Forces (k,) of bolts by their names in results.json; empty for other supports."""
+        """Forces (k,) of bolts by their names in results.json; empty for supports without bolts."""
         columns = {"tightened_to": self.tightened_to, "preload": self.preloads, "change": self.changes}
         return {name: values for name, values in columns.items() if values is not None}
 
     @property
     def reaction(self) -> float:
-        """Total force, positive when it pushes the plate up."""
+        """Total force, positive when the support pushes the plate up."""
         return self.numbers["reaction"]
 
     @property
     def closed_part(self) -> float:
-        """Closed part, 0 to 1: of points by number, of lines by length, of areas by contact area."""
+        """Closed part of the support, 0 to 1: of points by number, of lines by length, of areas by contact area."""
         return self.numbers["closed_part"]
 
     @property
     def preload(self) -> float:
-        """Sum of the preloads; NaN without preload."""
+        """Sum of the preloads of the support's points; NaN without a preload."""
         return self.numbers.get("preload", np.nan)
 
     @property
     def prying(self) -> float:
-        """Force of the bolts divided by the upward load; NaN without bolts or upward load."""
+        """Prying: force of the bolts divided by the upward resultant of the loads; NaN without bolts or upward load."""
         return self.numbers.get("prying", np.nan)
 
     @property
@@ -215,36 +216,36 @@ class SupportResult(Remade):
 
     @property
     def closed_count(self) -> int:
-        """Number of closed points."""
+        """Number of the support's closed points."""
         return int(self.closed.sum())
 
     @property
     def open_count(self) -> int:
-        """Number of open points."""
+        """Number of the support's open points."""
         return len(self.closed) - self.closed_count
 
     @property
     def contact_area(self) -> float | None:
-        """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
+        """Area in contact, from the deflection field if the support is elastic; None if the support is not an area."""
         return self.numbers.get("contact_area")
 
     @property
     def yielded_area(self) -> float | None:
-        """Area at its limit, from the deflection field of an elastic area; None without limit."""
+        """Area in which the limit is reached, from the deflection field of an elastic area; None without limit."""
         return self.numbers.get("yielded_area")
 
     @property
     def contact_boundary(self) -> tuple[Floats, ...]:
         """Edge of an area's contact: polylines (k, 2) with the contact on their left.
 
-        The last point of a closed polyline is its first; others end at the border of the plate or the support. They
-        follow the deflection field on an elastic area, element sides on a rigid one.
+        The last point of a closed polyline is its first point; other polylines end at the border of the plate or the
+        support. On an elastic area polylines follow the deflection field, on a rigid area element sides.
         """
         return () if self.area is None else self.area.contact_boundary
 
     @property
     def max_pressure(self) -> float | None:
-        """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
+        """Largest pressure of an area, from the deflection field if elastic; None if the support is not an area."""
         return self.numbers.get("max_pressure")
 
     @property
@@ -257,12 +258,12 @@ class SupportResult(Remade):
 
     @property
     def max_tension(self) -> float | None:
-        """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
+        """Largest pressure with which an area pulls the plate down, as a positive number; None if it is not an area."""
         return self.numbers.get("max_tension")
 
 
 def support_result(readings: Readings, index: int, forces: SupportForces) -> SupportResult:
-    """Result of a support from readings of a single solution, and the nodal forces of all supports."""
+    """Result of support number ``index``, from readings of a single solution and the nodal forces of all supports."""
     reading = readings.supports[index]
     discretisation, support, points = readings.discretisation, reading.support, reading.points
     (answer,), area = readings.answers, None
@@ -272,7 +273,7 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
         reading.reactions[0],
     )
     if support.area is not None:
-        # The result uses the arrays of the area, so that a pickle contains them once.
+        # The result uses the arrays of the area, so that a pickle contains each array once.
         (area,) = reading.areas
         positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
@@ -312,10 +313,10 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
 
 
 def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
-    """Contact of areas that support this plate; areas through which another plate rests on it are left out."""
+    """Contact of the areas that support this plate, without areas through which another plate rests on this plate."""
     return [one.area for one in supports if one.area is not None and not one.upon]
 
 
 def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
-    """Supports along lines that support this plate; lines through which another plate rests on it are left out."""
+    """Lines that support this plate, each with its support; no lines through which another plate rests on it."""
     return [(one, one.line) for one in supports if one.line is not None and not one.upon]

@@ -1,4 +1,4 @@
-"""Sentences on numbers of a model that seem to be in another unit."""
+"""Warnings about numbers of a model that are probably given in another unit than the model's units."""
 
 from __future__ import annotations
 
@@ -19,18 +19,21 @@ _LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "
 _LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
 _FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton": "MN", "pound": "lbf", "tonne": "tf"}
 _ALIKE = 0.7
-"""Smallest similarity of an unknown unit to a known unit that is suggested."""
+"""Smallest similarity of an unknown unit's name to that of a known unit at which the known unit is suggested."""
 _THICKEST = 0.5
-"""Largest ratio of thickness to the plate's smaller extent without a warning. EN 1992-1-1, 5.3.1, allows a fifth for
-slabs."""
+"""Largest ratio of thickness to the plate's smaller extent that causes no warning. EN 1992-1-1, 5.3.1, allows a fifth
+for slabs."""
 _SOFTEST, _STIFFEST = 1e8, 1e12
-"""Range of Young's moduli of plates in pascals: rubber is softer, and hardly any material is stiffer than diamond."""
+"""Range of Young's moduli of plates in Pa. Rubber has a smaller modulus, and hardly any material a larger one than
+diamond.
+"""
 _LIGHTEST, _HEAVIEST = 100.0, 3e5
-"""Range of unit weights, N/m³: from foam to osmium."""
+"""Range of unit weights in N/m³: from foam to osmium."""
 _RIGID, _NONE = 1e3, 1e-4
-"""Limits of a support's stiffness k, in D/h⁴ for a bed, D/h³ for a line, D/h² for a point. Above the first limit the
-support is practically rigid. Below the second, with the plate's size in place of h, it is practically zero. Concrete on
-soil has 0.001 of the first and 100 of the second, a base plate on grout 1 of the first."""
+"""Limits of a support's stiffness k, in units of D/h⁴ for a bed, D/h³ for a line, D/h² for a point. Above the first
+limit the support is practically rigid. Below the second, with the plate's size in place of h, it has practically no
+effect. Concrete on soil has 0.001 times the first limit and 100 times the second; a base plate on grout has the first.
+"""
 _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
@@ -56,7 +59,7 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
 
 def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     model, thickness = discretisation.model, float(discretisation.thickness.nominal.max())
-    # The thinnest part decides: a zone may be thick to be stiff.
+    # The smallest thickness is compared: a zone may be thick in order to be stiff.
     thinnest = float(discretisation.thickness.nominal.min())
     smaller, larger = np.sort(np.ptp(discretisation.mesh.points, axis=0)).tolist()
     if thinnest > _THICKEST * smaller:

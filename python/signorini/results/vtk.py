@@ -1,4 +1,4 @@
-"""Fields of results for .vtu files."""
+"""Fields of a result in the form of a .vtu file."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _VECTORS = {
     "stress_bottom": ("sx_bottom", "sy_bottom", "txy_bottom"),
     "shear_stress": ("txz", "tyz"),
 }
-"""Fields that a .vtu file combines to vectors, by the vector's name."""
+"""Components of the vectors in a .vtu file: names of fields, by name of the vector."""
 
 
 def vtk_fields(result: ResultState) -> tuple[dict[str, Floats], dict[str, Floats]]:
-    """Fields of a .vtu file by name: those at stress nodes, and those of elements."""
+    """Fields of a .vtu file by name: first those at stress nodes, then those of elements."""
     data = {
         "deflection": result.deflection,
         "displacement": displacement_vector(result.deflection),

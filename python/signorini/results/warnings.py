@@ -1,4 +1,4 @@
-"""Warnings of a model or an answer: sentences on input that can be solved but is probably not meant."""
+"""Warnings of a model or an answer: sentences on input that can be solved but is probably a mistake."""
 
 from __future__ import annotations
 
@@ -31,32 +31,36 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
 _FOLLOWED = 0.5
-"""Smallest share of a line on element sides at which the mesh counts as following the line."""
+"""Smallest part of a line on element sides at which the mesh counts as following the line."""
 _SMALLER = 0.5
-"""Suggested element size, relative to the elements that a line cuts or that are one across a strip."""
+"""Suggested element size, relative to elements that a line cuts, or to the elements of a strip that is one element
+wide.
+"""
 _STRIP = 4
-"""Smallest number of elements of a strip; fewer elements are a pad."""
+"""Smallest number of elements of an elastic area that can be a strip; an area of fewer elements is a pad."""
 _INSIDE = 1e-6
-"""Smallest depth of a point of one area inside another, relative to the plate's size, at which areas overlap."""
+"""Smallest depth of a point of one area inside another at which the areas count as overlapping, relative to the plate's
+size.
+"""
 _TOUCH = 1e-6
-"""Largest common area of two regions that only touch, relative to the smaller region."""
+"""Largest common area of two regions that count as only touching, relative to the smaller region."""
 _NOTHING = 1e-9
-"""Zero tolerance for a component of a couple, relative to the couple."""
+"""Largest component of a couple that counts as zero, relative to the couple."""
 _HARDLY = 1e-6
-"""Zero tolerance of a tension, relative to the largest pressure."""
+"""Largest tension that counts as zero, relative to the largest pressure."""
 _OUTWEIGHS = 1e3
-"""Smallest ratio of reactions to acting forces that is reported; couples are divided by the thickness. A thin plate on
-supports that are a tenth of its thickness apart can have such a ratio."""
+"""Smallest ratio of reactions to acting forces that causes a warning; couples are divided by the thickness. A thin
+plate has such a ratio on supports that are a tenth of its thickness apart."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
-"""Largest share of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
-many bolts, have half."""
+"""Largest part of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
+many bolts, exclude half."""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
-    """Warnings of a model: E in another unit, one element, two supports at one place.
+    """Warnings of a model, such as E in another unit, a mesh of one element, two supports at one place.
 
-    Moving loads are judged at the positions that are ``acting`` (None: at all positions).
+    Footprints of moving loads are checked at the positions in ``acting``, or at all positions if it is None.
     """
     of_plates = {plate.name: plate.own for plate in discretisation.members}
     return said_of({name: (*_whatever_acts(own), *_wheels_off(own, acting)) for name, own in of_plates.items()})
@@ -76,7 +80,7 @@ def result_warnings(
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
 ) -> tuple[str, ...]:
-    """Warnings of one combination, after those of the model."""
+    """Warnings of the result of one combination; the model's warnings are first."""
     warned = [
         *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
@@ -89,12 +93,15 @@ def result_warnings(
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
-    """Sentences on freedoms of the answer: how it could differ and be as right."""
+    """Sentences on how an answer that is not unique may differ, and remain right."""
     return tuple(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique)
 
 
 def idle_cases(model: Model) -> Iterator[str]:
-    """Warn of load cases and moving loads that act in no combination. Not for load paths, which name their loads."""
+    """Warn of load cases and moving loads that occur in no combination.
+
+    This is not checked for load paths, whose loads are named by the caller.
+    """
     taken = model.effective_combinations.cases
     for case in model.cases:
         if case not in taken:
@@ -108,9 +115,9 @@ def idle_cases(model: Model) -> Iterator[str]:
 
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
-    """Warn if forces sum to zero, or if no force acts and no support is moved."""
+    """Warn if the forces of a load sum to zero, or if no force acts and no support is moved."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
-        # Forces of another plate are not loads.
+        # Forces between plates are not loads, so there is no warning for several plates.
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
@@ -122,7 +129,7 @@ def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str
 
 
 def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]:
-    """Warn if a deflection (n,) exceeds the thickness, where the theory of small deflections ends."""
+    """Warn if a deflection (n,) exceeds the thickness: there the theory of small deflections is no longer valid."""
     elements, thickness = discretisation.mesh.elements, bending_thickness(discretisation)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
@@ -137,7 +144,7 @@ def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]
 
 
 def _left_out(discretisation: Discretisation) -> Iterator[str]:
-    """Warn if extremes exclude most of the plate, because it is near places where moments or shears are singular."""
+    """Warn if extremes exclude most of the plate, since most nodes are near singularities of moments or shears."""
     mesh, named = discretisation.mesh, singularities(discretisation)
     for number in ("moment", "shear"):
         peaks = at_peaks(mesh, named, number)
@@ -150,14 +157,17 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
-    """Thickness (ne,) to compare deflections with: in zones at most the largest one outside, as zones move with it."""
+    """Thickness (ne,) with which deflections are compared; in zones at most the largest thickness outside zones.
+
+    Zones move with the plate around them.
+    """
     nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
     own = nominal[discretisation.zones.of_elements.thickness == 0]
     return np.minimum(nominal, own.max()) if len(own) else nominal
 
 
 def _zones(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of overlapping zones with the same key, unless the later one is within the earlier one, as meant."""
+    """Warn of overlapping zones with the same key, unless the later zone is within the earlier one, as is usual."""
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
@@ -175,7 +185,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _never_act(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of points at which other supports hold every dof: these points can neither press nor let go."""
+    """Warn of points at which other supports hold every dof, so that these points can neither push nor open."""
     for index, support in enumerate(discretisation.model.support):
         count = len(support.where.points)
         listed = len(SupportPoints.of(discretisation, index).positions)
@@ -188,13 +198,16 @@ def _never_act(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _beds_both_ways(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of beds that also hold the plate down, if another support acts one way: soil and grout hardly pull."""
+    """Warn of beds that can pull the plate down if another support is one-sided: soil and grout hardly pull."""
     if _some_one_way(discretisation.model):
         yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(discretisation.model))
 
 
 def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Warn of beds that pull in this result though ``resists`` is not given, unless the model's warnings say so."""
+    """Warn of beds that pull in this result though the input has no ``resists``.
+
+    There is no warning if a warning of the model already says so.
+    """
     if _some_one_way(model):
         return
     unsaid = set(_beds_unsaid(model))
@@ -204,7 +217,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Warn of reactions much larger than the loads: rigid supports near each other pry a thin plate apart."""
+    """Warn of reactions much larger than the loads: rigid supports close to each other pry a thin plate apart."""
     if load.curvature.any() or _some_base_moves(discretisation, load) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
@@ -227,7 +240,7 @@ def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
 
 
 def _with_unit(model: Model, value: float, power: int) -> str:
-    """Value with the unit force × length^power."""
+    """Text for a value with the unit force × length^power."""
     return f"{value:.4g} {model.units.force_by_length(power)}".rstrip()
 
 
@@ -242,7 +255,7 @@ def _beds_unsaid(model: Model) -> Iterator[str]:
 
 
 def _unrefined(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of mesh refinements at places that are not on the plate."""
+    """Warn of mesh refinements at places outside the plate."""
     mesh = discretisation.mesh
     for index, part in enumerate(discretisation.model.mesh.refine, 1):
         off = [f"point {point(at)}" for at in part.where.points if not mesh.locate(np.array([at])).inside.all()]
@@ -256,7 +269,7 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of lines and circles of supports and loads that cut elements."""
+    """Warn of lines and circles of supports and loads that cut elements, since the mesh does not follow them."""
     model, mesh = discretisation.model, discretisation.mesh
     named: list[tuple[str, Acting]] = [(support.name, support) for support in model.support]
     named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
@@ -280,12 +293,15 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
 
 @kept
 def _off_plate(discretisation: Discretisation) -> list[tuple[str, str, int, float]]:
-    """Footprints of wheels that are partly off the plate, as `partly_off` yields them; found once."""
+    """Footprints of wheels that are partly off the plate, as `partly_off` yields them; computed once."""
     return list(discretisation.cases.partly_off())
 
 
 def _wheels_off(discretisation: Discretisation, acting: Collection[str] | None) -> Iterator[str]:
-    """Warn of moving loads with a wheel's footprint partly off the plate; name where it loses most of its force."""
+    """Warn of moving loads with a wheel's footprint partly off the plate.
+
+    The warning names the position where the wheel loses most of its force.
+    """
     off = [one for one in _off_plate(discretisation) if acting is None or one[1] in acting]
     for case in dict.fromkeys(case for case, *_ in off):
         those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
@@ -317,7 +333,7 @@ def _one_element(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _one_across(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of elastic strips and rings one element wide, such as gaskets: all their nodes are on the rim."""
+    """Warn of elastic strips and rings that are one element wide, such as gaskets: all nodes are on the strip's rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
         if support.area is None or not support.is_elastic:
@@ -350,7 +366,7 @@ def _one_place(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _couples(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of couples on an edge that holds the slope: the component across it loads the support only."""
+    """Warn of couples on an edge that holds the slope: their component across the edge loads only the support."""
     model, mesh = discretisation.model, discretisation.mesh
     for holding in model.support:
         for name in holding.where.edges:
@@ -381,7 +397,7 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _footprints(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of footprints of supports that overlap and act the same way."""
+    """Warn of overlapping footprints of supports that act in the same direction."""
     supports, mesh = discretisation.model.support, discretisation.mesh
     held = [(i, shape) for i, support in enumerate(supports) for shape in support.where.footprints]
     for one, other, at in _overlapping(held):
@@ -392,7 +408,7 @@ def _footprints(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of areas and footprints that overlap, of loads of one case and kind."""
+    """Warn of overlapping areas and footprints of loads of the same kind in the same load case."""
     mesh, alike = discretisation.mesh, dict[tuple[str, str], list[tuple[int, Region]]]()
     for index, load in enumerate(discretisation.model.load):
         shapes = load.where.footprints if load.where.region is None else (load.where.region,)
@@ -405,7 +421,10 @@ def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
-    """Yield the owners of two regions with a common area, each pair of owners once, and a point within both bounds."""
+    """Yield the owners of two regions with a common area, and a point within the bounds of both.
+
+    Each pair of owners is yielded once.
+    """
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
     begin = [shape.bounds[0] for _, shape in shapes]
@@ -423,12 +442,12 @@ def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, in
 
 
 def _alike(one: Support, other: Support) -> bool:
-    """Whether two supports may push at once, or pull at once."""
+    """Whether two supports can both push, or both pull, at the same time."""
     return {one.direction, other.direction} != {"down", "up"}
 
 
 def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:
-    """Whether an area has points inside another."""
+    """Whether points of area number ``one`` are inside area number ``other``."""
     points, others = SupportPoints.of(discretisation, one), SupportPoints.of(discretisation, other)
     positions = points.positions[np.isin(points.elements, others.elements)]
     of_other = discretisation.model.support[other].where.region

@@ -1,4 +1,4 @@
-"""Types of arrays."""
+"""Type aliases of NumPy arrays: `Floats`, `Ints`, `Bools`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""R-trees of boxes: which contain points, and which overlap."""
+"""Search for the boxes that contain points, and for pairs of overlapping boxes, by an R-tree."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from signorini.shapes.arrays import Floats, Ints
 
 
 class BoxTree:
-    """R-tree of boxes (n, 4), xmin, ymin, xmax, ymax."""
+    """R-tree of boxes (n, 4) with the columns xmin, ymin, xmax, ymax."""
 
     def __init__(self, boxes: Floats) -> None:
         self._boxes = np.asarray(shapely.box(*boxes.T))
         self._tree = shapely.STRtree(self._boxes)
 
     def pairs(self, points: Floats) -> tuple[Ints, Ints]:
-        """Index pairs of points (q, 2) and boxes that contain them, sorted by point and box."""
+        """Index pairs (i, j) such that box j contains point i of points (q, 2), sorted by i, then by j."""
         return _sorted(*self._tree.query(shapely.points(points)))
 
     def overlaps(self) -> tuple[Ints, Ints]:
-        """Index pairs i < j of boxes that overlap or touch, sorted."""
+        """Index pairs i < j of boxes that overlap or touch, sorted by i, then by j."""
         i, j = self._tree.query(self._boxes)
         return _sorted(i[i < j], j[i < j])
 

@@ -1,4 +1,4 @@
-"""Lines that cut a plate: the side of the line on which points are, and the part of a region on the left."""
+"""Cut lines through a plate: on which side of the line points are, and the part of a region on its left."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from signorini.shapes.regions import Polyline, Region
 
 LEFT, RIGHT = -1, 1
 _APART = 1e-12
-"""Largest distance of two crossings that count as one, relative to the segment."""
+"""Largest distance of two crossings of a segment that count as one, relative to the segment's length."""
 
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Positions of points (q,) relative to a cut line with p pieces.
+    """Positions of points (q,) relative to a cut line with p segments.
 
-    ``piece`` (q,) is the nearest piece; ``station`` (q,) is the coordinate of the point along it. ``shares`` (q, p) is
-    1 for the nearest piece; pieces that are equally near, as at a corner, share the 1 equally. ``off`` (q, p) is the
-    distance from the straight line through each piece, positive to the right. ``side`` (q,) is LEFT, RIGHT, or 0 on the
-    line.
+    ``piece`` (q,) is the number of the nearest segment; ``station`` (q,) is the point's coordinate along that segment.
+    ``shares`` (q, p) are weights with the sum 1: 1 for the nearest segment, equal parts for equally near ones, as at a
+    corner. ``off`` (q, p) is the distance from the straight line through each segment, positive to the right. ``side``
+    (q,) is LEFT, RIGHT, or 0 on the line.
     """
 
     piece: Ints
@@ -35,10 +35,10 @@ class Near:
 
 
 class CutLine:
-    """A polyline that is continued beyond both ends, or that is closed: its last point is its first.
+    """A polyline that is continued beyond both ends, or that is closed: its last point is its first point.
 
-    Points within a distance ``touching`` are on the line. ``ways`` (2,) are the directions of the continuation at the
-    ends, None for straight ones; only the side of a point depends on them.
+    Points within a distance ``touching`` are on the line. ``ways`` (2,) are the directions of the continuations at the
+    first and the last point, None for a straight continuation. They influence only the side of a point.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class CutLine:
         self.lengths: Floats = np.hypot(*pieces.T)
         self.along: Floats = pieces / self.lengths[:, None]
         self.normals: Floats = np.column_stack([self.along[:, 1], -self.along[:, 0]])
-        """Unit normals (p, 2) to the right of the pieces."""
+        """Unit normals (p, 2) of the p segments, pointing to the right."""
         self._onward = [straight if way is None else way for way, straight in zip(ways, self._straight, strict=True)]
         self._whole = None if ways[0] is None and ways[1] is None else CutLine(self._extended(1.0), touching)
 
@@ -61,11 +61,11 @@ class CutLine:
 
     @property
     def ends(self) -> Floats:
-        """First and last point of the line (2, 2)."""
+        """First and last point (2, 2) of the line."""
         return np.stack([self.begin[0], self.begin[-1] + self.lengths[-1] * self.along[-1]])
 
     def extended(self, by: float) -> Polyline:
-        """Polyline with a further piece of length ``by`` at both ends; without these if the line is closed."""
+        """The line with a further segment of length ``by`` at both ends; a closed line is returned unchanged."""
         return Polyline(tuple((float(x), float(y)) for x, y in self._extended(by)))
 
     def _extended(self, by: float) -> Floats:
@@ -88,7 +88,7 @@ class CutLine:
         shares = distance <= distance.min(axis=1)[:, None] + self.touching
         pick = np.arange(len(points)), piece
         beyond = station[pick] - on_piece[pick]
-        # A point on the outer side of a corner is beyond both pieces, and beside neither.
+        # A point on the outer side of a corner projects onto neither segment: it lies beyond the end of both.
         other = (piece + np.where(beyond > 0.0, 1, -1)) % len(self.lengths)
         both = self.normals[piece] + self.normals[other]
         corner = self.begin[piece] + on_piece[pick][:, None] * self.along[piece]
@@ -104,7 +104,7 @@ class CutLine:
 class LeftOf:
     """The part of a box on the left of a cut line; with ``region``, the part of this region on the left.
 
-    The outline of the region may leave the box.
+    The region may extend beyond the box.
     """
 
     line: CutLine
@@ -113,7 +113,7 @@ class LeftOf:
 
     @property
     def outline(self) -> Outline:
-        """Segments of the line that may meet the box, and the region's outline."""
+        """Segments of the cut line that may meet the box, and the outline of the region, if there is one."""
         x0, y0, x1, y1 = self.box
         segments = self.line.extended(abs(x1 - x0) + abs(y1 - y0)).outline.segments
         if self.region is None:
@@ -124,17 +124,17 @@ class LeftOf:
 
     @property
     def area(self) -> float:
-        """Area of the box, or of the region."""
+        """Area of the region or, without a region, of the box; the cut line has no influence."""
         x0, y0, x1, y1 = self.box
         return (x1 - x0) * (y1 - y0) if self.region is None else self.region.area
 
     @property
     def bounds(self) -> Box:
-        """The box."""
+        """The box xmin, ymin, xmax, ymax."""
         return self.box
 
     def contains(self, points: Floats) -> Bools:
-        """Mask (q,) of the points (q, 2) on the left and, if there is a region, in it."""
+        """Mask (q,) of the points (q, 2) on the left of the line and, if there is a region, in the region."""
         left = self.line.near(points).side < 0
         return left if self.region is None else np.asarray(left & self.region.contains(points))
 
@@ -175,7 +175,7 @@ Part: TypeAlias = "Region | LeftOf | Common"
 
 
 def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:
-    """Pieces (k, 2, 2) of a segment, divided where it crosses an outline."""
+    """Parts (k, 2, 2) of the segment from ``a`` to ``b``, which is divided where it crosses an outline."""
     along = b - a
     other = outline.segments[:, 1] - outline.segments[:, 0]
     offset = outline.segments[:, 0] - a

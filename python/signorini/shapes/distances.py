@@ -1,4 +1,4 @@
-"""Distances of points from straight sides and from outlines with arcs, and depths of points in a region."""
+"""Distances of points from sides, arcs and outlines, and signed distances of points from a region's outline."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from signorini.shapes.regions import Circle, Hollow, Polygon, Rectangle, Region,
 
 
 def distances(points: Floats, begin: Floats, end: Floats) -> Floats:
-    """Distance (q, k) of points (q, 2) from the sides between ``begin`` and ``end`` (k, 2)."""
+    """Distance (q, k) of each point (q, 2) from each straight side from ``begin`` (k, 2) to ``end`` (k, 2)."""
     side, offset = end - begin, points[:, None] - begin
     length = np.maximum((side**2).sum(axis=1), np.finfo(float).tiny)
     part = np.clip((offset * side).sum(axis=2) / length, 0.0, 1.0)
@@ -24,7 +24,9 @@ def distances(points: Floats, begin: Floats, end: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Points (c, 2), straight sides (k, 2, 2), and arcs (m, 5): centre x, y, radius, first angle, swept angle.
+    """Points (c, 2), straight sides (k, 2, 2) and arcs (m, 5), to which distances are computed.
+
+    An arc is its centre x, y, its radius, the angle of its first end, and the angle swept.
 
     Examples
     --------
@@ -45,20 +47,20 @@ class Targets:
         sides: Iterable[tuple[Point, Point]] = (),
         arcs: Iterable[Sequence[float]] = (),
     ) -> Targets:
-        """Make targets of points, sides and arcs."""
+        """Convert lists of points, straight sides and arcs to arrays."""
         shaped = ((points, (-1, 2)), (sides, (-1, 2, 2)), (arcs, (-1, 5)))
         return cls(*(np.array([*those], dtype=float).reshape(shape) for those, shape in shaped))
 
     @classmethod
     def along(cls, outline: Outline) -> Targets:
-        """Collect the segments, circles and arcs of an outline."""
+        """Make targets of the segments, circles and arcs of an outline."""
         rings = cls.of(arcs=[(*ring, 0.0, math.tau) for ring in outline.circles.tolist()])
         straight = cls.of(sides=outline.segments.tolist())
         return cls.join([straight, cls.on((a, m, b) for a, m, b in outline.arcs.tolist()), rings])
 
     @classmethod
     def on(cls, sides: Iterable[Side]) -> Targets:
-        """Make targets of sides, which are straight or arcs."""
+        """Make targets of sides, each straight or an arc."""
         straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
         for begin, through, end in sides:
             arc = None if through is None else arc_through(begin, through, end)
@@ -70,19 +72,19 @@ class Targets:
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:
-        """Concatenate targets."""
+        """Join several targets in one."""
         none = cls.of()
         return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 
     @property
     def bounds(self) -> Box:
-        """Bounding box xmin, ymin, xmax, ymax of points, sides and the full circles of arcs."""
+        """Box xmin, ymin, xmax, ymax that contains all points, sides, and full circles of arcs."""
         x, y, radius, _, _ = self.arcs.T
         whole = np.concatenate([np.column_stack([x - radius, y - radius]), np.column_stack([x + radius, y + radius])])
         return bounds_of(np.concatenate([self.points, self.sides.reshape(-1, 2), whole]).tolist())
 
     def nearest(self, at: Floats) -> tuple[Floats, Floats]:
-        """Positions (q, 2) on the targets nearest to positions ``at`` (q, 2), and distances (q,); ∞ without targets."""
+        """Nearest position (q, 2) on the targets to each point ``at`` (q, 2), and distance (q,); ∞ without targets."""
         places = [np.broadcast_to(self.points, (len(at), *self.points.shape))]
         begin, along = self.sides[:, 0], self.sides[:, 1] - self.sides[:, 0]
         part = ((at[:, None] - begin) * along).sum(axis=2) / (along**2).sum(axis=1)
@@ -103,7 +105,7 @@ class Targets:
 
 
 def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]:
-    """Targets along the edges with given names, by name."""
+    """Targets along each named edge of the contours; only the edges ``names``."""
     result = dict[str, list[Side]]()
     for contour in contours:
         for name, sides in contour.edges.items():
@@ -113,9 +115,9 @@ def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]
 
 
 def depth(region: Region, points: Floats) -> Floats:
-    """Distance of points (q, 2) from a region's outline, negative outside.
+    """Distance (q,) of points (q, 2) from a region's outline, negative outside the region.
 
-    Outside a rectangle, the magnitude is the largest distance beyond the straight line of a side.
+    Outside a rectangle, the magnitude is the largest distance beyond one of the lines through the sides.
     """
     if isinstance(region, Hollow):
         deep = depth(region.around, points)
@@ -128,7 +130,7 @@ def depth(region: Region, points: Floats) -> Floats:
     if isinstance(region, Circle):
         return np.asarray(region.radius - np.hypot(*(points - region.center).T))
     if isinstance(region, Rounded):
-        # A polygon with one point per degree deviates from an arc by 4e-5 of its radius.
+        # A polygon with one point per degree deviates from an arc by at most 4e-5 of the radius.
         return depth(Polygon(tuple((x, y) for x, y in region.drawn.tolist())), points)
     nearest = shapely.distance(shapely.LinearRing(region.points), shapely.points(points))
     return np.where(region.contains(points), nearest, -nearest)

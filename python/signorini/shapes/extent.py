@@ -1,4 +1,4 @@
-"""Convex hull and diameter of points; tolerances for equal places on a plate."""
+"""Convex hull and diameter of points; largest distances of points of a plate that count as equal."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import shapely
 from signorini.shapes.arrays import Floats
 
 _ON_LINE = 1e-12
-"""Largest distance of a hull point from a side, relative to the hull's size, at which the point is not a corner."""
+"""Points of the hull within this distance of a side are no corners; relative to the hull's size."""
 
 
 def hull(points: Floats) -> Floats:
-    """Corners (h, 2) of the convex hull of points (k, 2), counter-clockwise; for points on one line, its ends.
+    """Corners (h, 2) of the convex hull of points (k, 2), counter-clockwise; both ends of points on a line.
 
-    Rounding may add points of an oblique line to its ends.
+    If that line is oblique, rounding may add points between the ends.
 
     Examples
     --------
@@ -27,21 +27,21 @@ def hull(points: Floats) -> Floats:
     size = float(np.ptp(points, axis=0).max())
     corners = shapely.get_coordinates(shapely.simplify(convex, _ON_LINE * size))
     closed = len(corners) > 1 and (corners[0] == corners[-1]).all()
-    # The ring of a hull is clockwise.
+    # shapely returns the corners of a hull clockwise.
     return corners[:0:-1] if closed else corners
 
 
 def diameter(points: Floats) -> float:
-    """Largest distance between any two of the points (k, 2); a rotation changes it by rounding only."""
+    """Largest distance between two of the points (k, 2); a rotation of the points changes it by rounding only."""
     corners = hull(points)
     return max(float(np.hypot(*(corners - one).T).max()) for one in corners)
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Tolerances for places on a plate with diameter ``extent``.
+    """Largest distances of points that count as equal, on a plate with diameter ``extent``.
 
-    ``thickness`` is the plate's thickness, at one place or at several (q,); 0 if `apart` is not used.
+    ``thickness`` is the plate's thickness, at one point or at several (q,); 0 if `apart` is not used.
     """
 
     extent: float
@@ -49,22 +49,22 @@ class Tolerances:
 
     @property
     def place(self) -> float:
-        """Largest distance of two places that count as one.
+        """Largest distance of two points that count as equal.
 
-        Rows of nearer points differ by less than their rounding: at 1e-9 two rigid points with a spring beside them
-        changed deflections by 3 %.
+        The rows of G of closer points differ by less than rounding: with 1e-9 in place of 1e-8, two rigid points with a
+        spring beside them changed deflections by 3 %.
         """
         return 1e-8 * self.extent
 
     @property
     def written(self) -> float:
-        """Tolerance for a place on an edge or circle: coordinates are written with six digits."""
+        """Largest distance from an edge or circle of a point that counts as on it; the input may have six digits."""
         return 1e-6 * self.extent
 
     @property
     def apart(self) -> float | Floats:
-        """Smallest distance of rigid supports at different places.
+        """Smallest allowed distance of two rigid supports at different points.
 
-        Reactions between two such supports grow with the inverse square of their distance.
+        Their reactions grow with the inverse square of the distance.
         """
         return self.thickness / 10.0

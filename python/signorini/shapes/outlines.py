@@ -1,4 +1,4 @@
-"""Outlines of plates, regions and curves: straight sides, circles, arcs; grid lines that meshes need for them."""
+"""Outlines of plates, regions and curves: straight sides, circles and arcs; grid lines that meshes need there."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from signorini.shapes.arrays import Floats
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
 Side: TypeAlias = tuple[Point, Point | None, Point]
-"""First point, a point between on an arc or None for a straight side, last point."""
+"""A side: its first point; a point of the arc between, None for a straight side; its last point."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """Segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs that draw a region or curve.
+    """Segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs (n, 3, 2) of an outline or a curve.
 
-    Arcs (n, 3, 2) are first point, a point between, last point.
+    An arc is its first point, a point between, and its last point.
     """
 
     segments: Floats = field(default_factory=lambda: np.empty((0, 2, 2)))
@@ -32,7 +32,7 @@ class Outline:
 
     @cached_property
     def whole_circles(self) -> Floats:
-        """Full circles (m + n, 3): ``circles``, followed by those of which ``arcs`` are parts."""
+        """Circles (m + n, 3) as x, y, radius: ``circles``, then the full circle of each arc."""
         (a, m, b) = self.arcs.transpose(1, 2, 0)
         u, v = m - a, b - a
         bend = 2.0 * (u[0] * v[1] - u[1] * v[0])
@@ -42,25 +42,25 @@ class Outline:
 
 
 class Drawn(ABC):
-    """Base class of shapes with an outline, for which a mesh needs grid lines along the axes, or circles."""
+    """Base class of shapes with an outline, along which a mesh should have grid lines or circles."""
 
     @property
     @abstractmethod
     def outline(self) -> Outline:
-        """Segments, circles and arcs of the shape."""
+        """Segments, circles and arcs of which the shape's outline consists."""
 
     @property
     def x_lines(self) -> tuple[float, ...]:
-        """Abscissae at which a rectangular mesh should have grid lines."""
+        """Abscissae x at which a rectangular mesh should have grid lines: those of sides along the y axis."""
         return self._lines(0)
 
     @property
     def y_lines(self) -> tuple[float, ...]:
-        """Ordinates at which a rectangular mesh should have grid lines."""
+        """Ordinates y at which a rectangular mesh should have grid lines: those of sides along the x axis."""
         return self._lines(1)
 
     def radii(self, center: Point) -> tuple[float, ...]:
-        """Radii of circles around `center` that a round mesh should have."""
+        """Radii of the shape's circles around `center`; a round mesh should have such circles."""
         return tuple(r for x, y, r in self.outline.circles.tolist() if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def _lines(self, axis: int) -> tuple[float, ...]:
@@ -70,67 +70,67 @@ class Drawn(ABC):
 
 
 class Straight(Drawn):
-    """A line or region with corners; a region has one outline."""
+    """A line, or a region with a single outline, that consists of straight sides."""
 
     @property
     def drawn(self) -> Floats:
-        """Points (k, 2) along the outline."""
+        """Points (k, 2) in order along the outline."""
         return np.asarray(self.outline.segments[:, 0])
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along each outline."""
+        """Points (k, 2) in order along each outline; there is one outline."""
         return (self.drawn,)
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2)."""
+        """Corners (c, 2) of the outline."""
         return self.drawn
 
 
 @dataclass(frozen=True)
 class Round(Drawn):
-    """A circle, or the disc in it."""
+    """A circle, or the disc inside a circle."""
 
     center: Point
     radius: float
 
     @property
     def outline(self) -> Outline:
-        """Outline of one circle."""
+        """Outline that consists of the circle."""
         return Outline(circles=np.array([[*self.center, self.radius]]))
 
     @property
     def bounds(self) -> Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the circle."""
         (x, y), r = self.center, self.radius
         return (x - r, y - r, x + r, y + r)
 
 
 def closed(points: Sequence[Point]) -> Floats:
-    """Join each point to the next and the last to the first: segments (k, 2, 2)."""
+    """Segments (k, 2, 2) from each point to the next and from the last to the first."""
     corners = np.array(points)
     return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 def bounds_of(points: Sequence[Point]) -> Box:
-    """Bounding box xmin, ymin, xmax, ymax of points."""
+    """Bounding box xmin, ymin, xmax, ymax of a list of points."""
     x, y = zip(*points, strict=True)
     return (min(x), min(y), max(x), max(y))
 
 
 _TURN = 360
-"""Number of points on a full circle: its chords deviate from it by 4e-5 of the radius."""
+"""Number of points that represent a full circle; the chords deviate from it by at most 4e-5 of the radius."""
 _FLAT = 1e-9
-"""Largest ratio of rise to chord of an arc that is drawn as a line."""
+"""Largest ratio of rise to chord of an arc that counts as a straight side."""
 
 
 @dataclass(frozen=True)
 class Contour:
-    """A closed line: sides from each corner to the next, the last one to the first.
+    """A closed line with a side from each corner to the next, and from the last corner to the first.
 
-    ``through`` has a point of the arc that begins at each corner, None for a straight side. Several sides may share a
-    name of ``names``; ``whole``, unless empty, is a name of all sides together.
+    ``through`` has for each corner a point of the arc that begins there, None for a straight side. ``names`` are the
+    names of the sides; several sides may have the same name. ``whole``, unless empty, is a name of all sides together.
     """
 
     corners: tuple[Point, ...]
@@ -140,19 +140,19 @@ class Contour:
 
     @property
     def sides(self) -> list[Side]:
-        """Each side: its corner, the point on its arc or None, and the next corner."""
+        """The side from each corner: the corner, the point on the arc or None, and the next corner."""
         return list(zip(self.corners, self.through, (*self.corners[1:], self.corners[0]), strict=True))
 
     @property
     def edges(self) -> dict[str, list[int]]:
-        """Indices of the sides with each name."""
+        """Indices of the sides that have each name, including the name ``whole``."""
         result: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
         for side, name in enumerate(self.names):
             result.setdefault(name, []).append(side)
         return result
 
     def points(self, name: str | None = None) -> Floats:
-        """Points (k, 2) along the sides with a name, or along all: corners, and one point per degree on arcs."""
+        """Points (k, 2) along the sides with a name, by default all: corners, and one point per degree on arcs."""
         sides = self.sides
         chosen = sides if name is None else [sides[side] for side in self.edges[name]]
         result = [along_side(a, m, b) for a, m, b in chosen]
@@ -160,12 +160,12 @@ class Contour:
 
     @property
     def bounds(self) -> Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the contour."""
         return bounds_of(self.points().tolist())
 
 
 def directions(degrees: Floats) -> Floats:
-    """Unit vectors (q, 2) at angles (q,) from x, exact at multiples of 90° and symmetric between them."""
+    """Unit vectors (q, 2) at angles (q,) [°] from the x axis, exact at multiples of 90° and symmetric about 45°."""
     quarter = np.round(degrees / 90.0)
     rest = np.radians(degrees - 90.0 * quarter)
     c, s = np.cos(rest), np.sin(rest)
@@ -174,20 +174,21 @@ def directions(degrees: Floats) -> Floats:
 
 
 def straight(corners: Sequence[Point], names: Sequence[str]) -> Contour:
-    """Join corners by straight sides."""
+    """Make a contour with straight sides between corners; ``names`` are the names of the sides."""
     return Contour(tuple(corners), (None,) * len(corners), tuple(names))
 
 
 def circle(center: Point, radius: float, name: str) -> Contour:
-    """Draw a circle of four quarters with the same name."""
+    """Make a contour of four quarter circles, all with the same name."""
     (*corners, _), through = _arc(center, radius, 0.0, 360.0)
     return Contour(tuple(corners), through, (name,) * len(corners))
 
 
 def sector(center: Point, inner: float, outer: float, degrees: float, names: tuple[str, str, str, str]) -> Contour:
-    """Draw a sector that begins on the x axis; ``names`` are those of its start, outer arc, end and inner arc.
+    """Make the contour of a sector of ``degrees`` from the x axis, between two radii.
 
-    With an inner radius of 0, start and end meet at the center.
+    ``names`` are the names of start side, outer arc, end side and inner arc. With an inner radius of 0, the start and
+    end sides meet at the center.
     """
     start, rim, end, hub = names
     rims, rim_through = _arc(center, outer, 0.0, degrees)
@@ -198,7 +199,10 @@ def sector(center: Point, inner: float, outer: float, degrees: float, names: tup
 
 
 def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
-    """Divide an arc into parts of at most 90°: ends of the parts, and a middle of each part."""
+    """Divide an arc from angle ``start`` to ``end`` [°] into parts of at most 90°.
+
+    Return the ends of the parts, and the middle of each part.
+    """
     count = max(1, math.ceil(abs(end - start) / 90.0))
     points = np.array(center) + radius * directions(np.linspace(start, end, 2 * count + 1))
     places = [(float(x), float(y)) for x, y in points]
@@ -206,19 +210,19 @@ def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[
 
 
 def along_side(a: Point, through: Point | None, b: Point) -> Floats:
-    """Points (k, 2) along a side from ``a`` on, without ``b``; an arc has one point per degree."""
+    """Points (k, 2) along a side, including ``a`` but not ``b``; an arc has one point per degree."""
     arc = None if through is None else arc_through(a, through, b)
     if arc is None:
         return np.array(a)[None]
     center, radius, start, sweep = arc
-    # The tolerance avoids one more point for a whole number of degrees.
+    # If the arc sweeps a whole number of degrees, rounding must not add a point.
     count = max(1, math.ceil(_TURN * abs(sweep) / math.tau - 1e-6))
     turn = start + sweep * np.arange(1, count) / count
     return np.vstack([a, center + radius * np.column_stack([np.cos(turn), np.sin(turn)])])
 
 
 def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, float, float] | None:
-    """Centre, radius, angle of the first end, and angle swept, of an arc; None if the arc is nearly straight.
+    """Centre, radius, angle of ``a``, and swept angle of an arc from ``a`` to ``b``; None if nearly straight.
 
     Examples
     --------
@@ -238,12 +242,12 @@ def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, floa
 
 
 def farthest(center: Floats, radius: float, start: float, sweep: float) -> Floats:
-    """Extreme points (k, 2) along x and y of an arc, given as by `arc_through`, except its ends."""
+    """Points (k, 2) of an arc, except its ends, with the largest or smallest x or y; arguments as in `arc_through`."""
     quarters = np.arange(4) * (math.pi / 2)
     passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
     return np.asarray(center + radius * directions(np.degrees(quarters[passed])))
 
 
 def along_arc(a: Point, through: Point, b: Point) -> Floats:
-    """Points (k, 2) on an arc, one per degree, both ends included."""
+    """Points (k, 2) on an arc from ``a`` to ``b``, one per degree, including both ends."""
     return np.vstack([along_side(a, through, b), b])

@@ -17,16 +17,16 @@ from signorini.shapes import outlines
 from signorini.shapes.arrays import Bools, Floats
 
 _TOUCHING = 1e-12
-"""Largest distance of sides that touch, relative to the size of the polygon."""
+"""Largest distance of two sides that touch, relative to the polygon's size."""
 _KINK = 0.1
-"""Smallest turn of an outline, in radians, at a corner; arcs meant to be smooth turn by less."""
+"""Smallest change of direction [rad] of an outline at a corner; where arcs join smoothly the change is smaller."""
 _SAME = 1e-6
-"""Relative tolerance for the area of a hole that touches its neighbour."""
+"""Largest area by which a hole may overlap another hole or extend outside, relative to the hole's area."""
 
 
 @dataclass(frozen=True)
 class Rectangle(outlines.Straight):
-    """A rectangle along the axes, its outline included."""
+    """A rectangle with sides along the axes; points on the outline belong to it."""
 
     x0: float
     y0: float
@@ -34,7 +34,7 @@ class Rectangle(outlines.Straight):
     y1: float
 
     def __post_init__(self) -> None:
-        """Refuse an empty rectangle, as may result from snapping onto edges."""
+        """Refuse a rectangle without area, which may result from snapping its sides onto edges."""
         if not (self.x1 > self.x0 and self.y1 > self.y0):
             raise InputError(
                 f"Rectangle [{self.x0:g}, {self.y0:g}, {self.x1:g}, {self.y1:g}] encloses nothing; "
@@ -43,18 +43,18 @@ class Rectangle(outlines.Straight):
 
     @property
     def outline(self) -> outlines.Outline:
-        """The four sides, counter-clockwise."""
+        """The four sides of the rectangle, counter-clockwise."""
         corners = ((self.x0, self.y0), (self.x1, self.y0), (self.x1, self.y1), (self.x0, self.y1))
         return outlines.Outline(segments=outlines.closed(corners))
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area of the rectangle."""
         return (self.x1 - self.x0) * (self.y1 - self.y0)
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax: the rectangle itself."""
         return (self.x0, self.y0, self.x1, self.y1)
 
     def contains(self, points: Floats) -> Bools:
@@ -65,21 +65,21 @@ class Rectangle(outlines.Straight):
 
 @dataclass(frozen=True)
 class Circle(outlines.Round):
-    """A disc, its outline included."""
+    """A disc; points on the circle belong to it."""
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area of the disc."""
         return math.pi * self.radius**2
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline: the one there is, one a degree."""
+        """Points (k, 2) along the circle, one per degree."""
         return (outlines.circle(self.center, self.radius, "").points(),)
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2): none."""
+        """Corners (0, 2): a disc has no corners."""
         return np.zeros((0, 2))
 
     def contains(self, points: Floats) -> Bools:
@@ -89,31 +89,31 @@ class Circle(outlines.Round):
 
 @dataclass(frozen=True)
 class Polygon(outlines.Straight):
-    """A simple polygon, convex or not, in either orientation.
+    """A polygon, convex or not, with corners in either orientation.
 
-    One that crosses or touches itself is refused.
+    A polygon that crosses or touches itself is refused.
     """
 
     points: tuple[outlines.Point, ...]
 
     def __post_init__(self) -> None:
-        """Refuse an outline that crosses itself."""
+        """Refuse a polygon whose sides cross or touch."""
         _require_simple(self.outline.segments)
 
     @property
     def outline(self) -> outlines.Outline:
-        """The sides, in the order given."""
+        """The sides of the polygon, in the order of its corners."""
         return outlines.Outline(segments=outlines.closed(self.points))
 
     @property
     def area(self) -> float:
-        """Area."""
+        """Area inside the polygon, in either orientation."""
         local = np.array(self.points) - self.points[0]
         return float(0.5 * abs(np.sum(_cross(local, np.roll(local, -1, axis=0)))))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the polygon."""
         return outlines.bounds_of(self.points)
 
     def contains(self, points: Floats) -> Bools:
@@ -123,18 +123,18 @@ class Polygon(outlines.Straight):
 
 @dataclass(frozen=True)
 class Rounded(outlines.Straight):
-    """A simple region of straight sides and arcs, in either orientation; its sides are not named."""
+    """A region with one outline of straight sides and arcs, in either orientation; names of sides are ignored."""
 
     contour: outlines.Contour
 
     def __post_init__(self) -> None:
-        """Refuse arcs that go back as they came."""
+        """Refuse an outline that encloses no area, such as two equal arcs."""
         if not self.area > 0.0:
             raise InputError("The polygon encloses nothing.")
 
     @cached_property
     def outline(self) -> outlines.Outline:
-        """The straight sides and arcs, in the order given."""
+        """The straight sides and the arcs, each in the order of the contour."""
         sides = self.contour.sides
         straight = [(a, b) for a, m, b in sides if m is None or outlines.arc_through(a, m, b) is None]
         arcs = [(a, m, b) for a, m, b in sides if m is not None and outlines.arc_through(a, m, b) is not None]
@@ -142,12 +142,12 @@ class Rounded(outlines.Straight):
 
     @property
     def drawn(self) -> Floats:
-        """Points (k, 2) along the outline, of arcs one a degree."""
+        """Points (k, 2) along the outline: corners, and one point per degree on arcs."""
         return self.contour.points()
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2), but not where an arc goes on as a side does."""
+        """Corners (c, 2), without points at which an arc joins its neighbour smoothly."""
         points, count = self.drawn, len(self.drawn)
         ahead = np.roll(points, -1, axis=0) - points
         turn = np.arctan2(ahead[:, 1], ahead[:, 0])
@@ -157,23 +157,23 @@ class Rounded(outlines.Straight):
 
     @property
     def tips(self) -> Floats:
-        """Corners, and points (t, 2) of arcs farthest along x and y."""
+        """Corners, and points of arcs with the largest or smallest x or y (t, 2)."""
         return np.concatenate([self.corners, *self._farthest])
 
     @cached_property
     def area(self) -> float:
-        """Area."""
+        """Area inside the outline, in either orientation."""
         corners = np.array(self.contour.corners) - self.contour.corners[0]
         total = float(np.sum(_cross(corners, np.roll(corners, -1, axis=0))))
         return 0.5 * abs(total + sum(radius**2 * (sweep - math.sin(sweep)) for _, radius, _, sweep in self._arcs))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the region, arcs included."""
         return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
+        """Mask (q,) of the points (q, 2) inside, by counting crossings; a point on the outline may be in or out."""
         (x, y), count = points.T, np.zeros(len(points), np.int64)
         for (ax, ay), (bx, by) in self.outline.segments:
             level = (ay > y) != (by > y)
@@ -187,18 +187,21 @@ class Rounded(outlines.Straight):
 
     @cached_property
     def _farthest(self) -> list[Floats]:
-        """The extreme points along x and y of every arc, except its ends."""
+        """For each arc, the points with the largest or smallest x or y, except its ends."""
         return [outlines.farthest(*arc) for arc in self._arcs]
 
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:
-        """Centre, radius, angle of the first end and angle turned through of every arc."""
+        """Centre, radius, angle of the first end, and swept angle of every arc."""
         result = [outlines.arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
         return [arc for arc in result if arc is not None]
 
     @cached_property
     def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
-        """Parts of arcs that rise or fall: centre, radius, ordinates of their ends, and 1 right of the centre or −1."""
+        """Parts of arcs on which y only rises or only falls.
+
+        Each is its centre, radius, y of both ends, and 1 if it is to the right of the centre or −1 if to the left.
+        """
         result = []
         for (begin, _, end), (center, radius, start, sweep) in zip(self.outline.arcs, self._arcs, strict=True):
             low, high = sorted((start, start + sweep))
@@ -215,43 +218,43 @@ class Rounded(outlines.Straight):
 
 @dataclass(frozen=True)
 class Polyline(outlines.Straight):
-    """Straight segments from point to point."""
+    """A line that consists of straight segments from each point to the next."""
 
     points: tuple[outlines.Point, ...]
 
     @property
     def sides(self) -> list[outlines.Side]:
-        """Each side in order: where it begins, None since it is straight, and where it ends."""
+        """The side from each point to the next: first point, None since it is straight, last point."""
         return [(a, None, b) for a, b in pairwise(self.points)]
 
     @property
     def outline(self) -> outlines.Outline:
-        """The segments in the order given."""
+        """The segments of the line, in the order of its points."""
         return outlines.Outline(np.array(list(pairwise(self.points))))
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the line."""
         return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the points."""
         return outlines.bounds_of(self.points)
 
 
 @dataclass(frozen=True)
 class Ring(outlines.Round):
-    """The circumference of a circle."""
+    """The circumference of a circle, on which a support or load acts."""
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the circumference."""
         return 2.0 * math.pi * self.radius
 
     @property
     def sides(self) -> list[outlines.Side]:
-        """Its quarters in order: where each begins, a point that it is an arc through, and where it ends."""
+        """The four quarters of the circle in order: first point, a point of the arc between, last point."""
         return outlines.circle(self.center, self.radius, "").sides
 
 
@@ -264,14 +267,14 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def inside(points: Floats, corners: Floats | Sequence[outlines.Point]) -> Bools:
-    """Whether points (q, 2) are inside or on the polygon with corners (n, 2)."""
+    """Mask (q,) of the points (q, 2) inside or on the polygon with corners (n, 2)."""
     polygon = shapely.Polygon(corners)
     shapely.prepare(polygon)
     return np.asarray(shapely.intersects_xy(polygon, points))
 
 
 def _require_simple(segments: Floats) -> None:
-    """Refuse a polygon whose sides cross, touch or fold back; neighbours may share their corner only."""
+    """Refuse a polygon whose sides cross, touch or fold back; neighbouring sides may share only their corner."""
     count = len(segments)
     coincide = (segments[:, 0] == segments[:, 1]).all(axis=1)
     if coincide.any():
@@ -290,9 +293,9 @@ def _require_simple(segments: Floats) -> None:
 
 
 def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
-    """The first two segments of a line (k, 2, 2) that meet other than end to start, or None.
+    """Indices of the first two segments (k, 2, 2) of a line that cross, touch or fold back; None without such.
 
-    A segment that folds back on its predecessor meets it. The first segment follows the last one of a closed line.
+    Each segment may touch the next one at their common point only; so may the last and the first of a closed line.
     """
     count = len(segments)
     along = segments[:, 1] - segments[:, 0]
@@ -305,28 +308,28 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
         return piece, (piece + 1) % count
     sides = np.asarray(shapely.linestrings(segments))
     i, j = shapely.STRtree(sides).query(sides, "dwithin", _TOUCHING * size)
-    # Every pair once, without those that share a corner.
+    # Each pair of segments once, but not neighbours, which share a point.
     apart = (j > i + 1) & ((i > 0) | (j < count - 1) | (not closed))
     return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
 
 
 def meet(one: Floats, other: Floats, within: float) -> bool:
-    """Whether two sets of segments, (k, 2, 2) and (m, 2, 2), are at most ``within`` apart."""
+    """Whether the least distance between two sets of segments, (k, 2, 2) and (m, 2, 2), is at most ``within``."""
     return bool(shapely.dwithin(shapely.MultiLineString([*one]), shapely.MultiLineString([*other]), within))
 
 
 @dataclass(frozen=True)
 class Hollow(outlines.Drawn):
-    """A region without its holes.
+    """A region with holes, each a region without holes.
 
-    Holes that are not within it, or overlap, are refused.
+    Holes that extend outside the region ``around``, or that overlap each other, are refused.
     """
 
     around: Whole
     holes: tuple[Whole, ...]
 
     def __post_init__(self) -> None:
-        """Refuse holes that are not apart, or not within."""
+        """Refuse holes that overlap or extend outside the region."""
         (around,) = self.around.loops
         for number, hole in enumerate(self.holes):
             (own,) = hole.loops
@@ -341,12 +344,12 @@ class Hollow(outlines.Drawn):
 
     @cached_property
     def parts(self) -> tuple[Whole, ...]:
-        """The outer region and its holes."""
+        """The outer region, followed by the holes."""
         return (self.around, *self.holes)
 
     @cached_property
     def outline(self) -> outlines.Outline:
-        """The outline around and those of the holes."""
+        """The outline of the outer region together with those of the holes."""
         drawn = [part.outline for part in self.parts]
         return outlines.Outline(
             *(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs"))
@@ -354,26 +357,26 @@ class Hollow(outlines.Drawn):
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline, that around first."""
+        """Points (k, 2) along every outline, that of the outer region first."""
         return tuple(loop for part in self.parts for loop in part.loops)
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2)."""
+        """Corners (c, 2) of all outlines."""
         return np.concatenate([part.corners for part in self.parts])
 
     @cached_property
     def area(self) -> float:
-        """Area."""
+        """Area of the outer region less the areas of the holes."""
         return self.around.area - sum(hole.area for hole in self.holes)
 
     @property
     def bounds(self) -> outlines.Box:
-        """Bounding box xmin, ymin, xmax, ymax."""
+        """Bounding box xmin, ymin, xmax, ymax of the outer region."""
         return self.around.bounds
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside; on the outline of a hole either answer may come."""
+        """Mask (q,) of the points (q, 2) in the region and in no hole; points on a hole's outline may be in or out."""
         inside = self.around.contains(points)
         for hole in self.holes:
             inside &= ~hole.contains(points)
@@ -384,7 +387,7 @@ Region: TypeAlias = Whole | Hollow
 
 
 def overlap(one: Floats, other: Floats) -> float:
-    """Area that two polygons, corners (n, 2) and (m, 2) in either sense, have in common."""
+    """Common area of two polygons with corners (n, 2) and (m, 2), each in either orientation."""
     first, second = (
         shapely.make_valid(shapely.Polygon(corners), method="structure", keep_collapsed=False)
         for corners in (one, other)

@@ -1,4 +1,4 @@
-"""A mesh of curved 8-node quadrilaterals and 6-node triangles as flat triangles and outlines, for drawing."""
+"""Division of a mesh of curved 8-node quadrilaterals and 6-node triangles into flat triangles, for drawing."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ _FINEST = 10
 
 @dataclass(frozen=True)
 class Tessellation:
-    """Triangles that follow the shape functions of 8-node quadrilaterals and 6-node triangles.
+    """Flat triangles that approximate the curved elements of a mesh.
 
-    Each element is divided by a grid of the reference square with an even number of cells a side, so that its nodes are
-    vertices. For a triangle, one side of the square is collapsed. Elements share the vertices on a common edge, so that
-    contours cross the edge without a seam.
+    Each element is divided by a grid of d × d cells of the reference square; d is even, so that all nodes are vertices
+    of triangles. For a triangular element, one side of the square is collapsed. Elements share the vertices on a common
+    edge, so that contours cross the edge without a jump.
     """
 
     elements: NDArray[np.int64]
     """The mesh (e, 8): corners counter-clockwise, then midsides; a triangle is [a, b, c, c, ab, bc, c, ca]."""
     owners: NDArray[np.int64]
-    """An element (v,) that contains each vertex."""
+    """Number (v,) of an element that contains each vertex."""
     weights: NDArray[np.float64]
-    """Shape functions (v, 8) of the owner at each vertex."""
+    """Values (v, 8) at each vertex of the shape functions of the element in ``owners``."""
     triangles: NDArray[np.int64]
-    """Vertices (t, 3) of the triangles."""
+    """Vertex numbers (t, 3) of the triangles."""
     parents: NDArray[np.int64]
-    """Element (t,) of which each triangle is a part."""
+    """Number (t,) of the element of which each triangle is a part."""
     edges: NDArray[np.int64]
-    """Vertices (k, d + 1) along each edge of the mesh; every edge occurs once."""
+    """Vertex numbers (k, d + 1) along each edge of the mesh; an edge of two elements occurs once."""
     midsides: NDArray[np.int64]
-    """Mesh node (k,) in the middle of each edge."""
+    """Number (k,) of the mesh node in the middle of each edge."""
     outer: NDArray[np.bool_]
     """Mask (k,) of the edges that belong to one element only: the outline of the plate."""
 
     def interpolate(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate a nodal field, shape (n,) or (n, c), at the vertices."""
+        """Interpolate nodal values (n,) or (n, c) to the vertices: (v,) or (v, c)."""
         values: NDArray[np.float64] = np.einsum("va,va...->v...", self.weights, nodal[self.elements[self.owners]])
         return values
 
@@ -63,7 +63,7 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
 
     a, b, c, e = local[:-1, :-1].ravel(), local[:-1, 1:].ravel(), local[1:, 1:].ravel(), local[1:, :-1].ravel()
     cells = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, e])])
-    # A side collapsed to one node is no edge; cells beside it have only one triangle.
+    # A side collapsed to one node has no edge, and each grid cell at it gives one triangle instead of two.
     real = (elements[:, :4] != np.roll(elements[:, :4], -1, axis=1)).ravel()
     midsides, edge, uses = np.unique(elements[:, 4:].ravel()[real], return_index=True, return_counts=True)
     owners, places = np.divmod(first, (d + 1) ** 2)
@@ -82,14 +82,17 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
 
 
 def grid_shapes(divisions: int) -> NDArray[np.float64]:
-    """Shape functions (2, v, 8) of quadrilaterals and of triangles at the vertices of an even grid, row by row."""
+    """Shape functions (2, v, 8) at the vertices of a grid: [0] of quadrilaterals, [1] of triangles.
+
+    The grid has ``divisions`` × ``divisions`` cells; its vertices are numbered row by row.
+    """
     xi, eta = (grid.ravel() for grid in np.meshgrid(*[np.linspace(-1, 1, divisions + 1)] * 2))
     u, v = 0.5 + 0.5 * xi, 0.5 + 0.5 * eta
     return np.stack([serendipity(np.column_stack([xi, eta]))[0], triangular(np.column_stack([u * (1 - v), v]))[0]])
 
 
 def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number all grid points; points on a common corner or edge have equal numbers."""
+    """Number the grid points of all elements; points on a common corner or edge of elements have equal numbers."""
     count, d = len(elements), sides.shape[1] - 1
     nodes = int(elements.max()) + 1
     names = nodes * d + np.arange(count * (d + 1) ** 2).reshape(count, -1)

@@ -1,13 +1,10 @@
 """Means of moments and shears at singular points, for design.
 
-At a point p with radius r (`Singularity.within`), the mean moment is
-
-    m̄ = 1/(2r) ∫ m ds
-
-along each of the two lines of length 2r with the middle p: x = p_x for m_x, y = p_y for m_y. A strip of width 2r has
-this moment per width at p. The mean shear is taken along each side, of length 2r, of the square about p: x = p_x ± r
-for q_x, y = p_y ± r for q_y. About a point support with reaction R the sides sum to R minus the load inside, so that
-each mean is about R/(8r). Only the part of a line on the plate counts. All means are linear in the solution.
+At a point p with radius r (`Singularity.within`), the mean moment is m̄ = 1/(2r) ∫ m ds along each of two lines of
+length 2r with the midpoint p: x = p_x for m_x, y = p_y for m_y. A strip of width 2r has this moment per width at p. The
+mean shear is taken along each side, of length 2r, of the square centred on p: x = p_x ± r for q_x, y = p_y ± r for q_y.
+At a point support with reaction R the integrals along the four sides sum to R minus the load inside, so that each mean
+is about R/(8r). Only the part of a line on the plate counts. All means are linear in the solution.
 """
 
 from __future__ import annotations
@@ -25,20 +22,22 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.singularities.named import singularities_of
 
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
-"""(Middle − p)/r and direction of each line: two lines through p, then the four sides of the square."""
+"""Each row is (midpoint − p)/r and direction of a line: two lines through p, then the four sides of the square."""
 _PARTS = 12
-"""Number of parts of a line, with two Gauss points each; even, because moments have a kink at p, between two parts."""
+"""Number of parts of a line, with two Gauss points each. It is even: moments have a kink at p, which is then between
+two parts.
+"""
 PEAKS = ("moment", "shear")
-"""Results with means, in the order of the columns of ``Beside.numbers``."""
+"""Results that have means, in the order of the columns of `Beside.numbers`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Beside:
     """The k points of a plate with singular moments or shears.
 
-    ``places`` (k, 2) are sorted by x, then y; ``within`` (k,) are their radii r. ``numbers`` (k, 2) marks whether
-    moment and shear are singular. ``case`` (k,) is the load case of a singular load, "" at supports and corners.
-    ``thickness`` (k, 6) is the mean thickness along each line.
+    ``places`` (k, 2) are sorted by x, then y; ``within`` (k,) are their radii r. ``numbers`` (k, 2) marks whether the
+    moment and whether the shear is singular. ``case`` (k,) is the load case of a singular load, "" at supports and
+    corners. ``thickness`` (k, 6) is the mean thickness along each line of each point.
     """
 
     places: Floats
@@ -48,15 +47,15 @@ class Beside:
     thickness: Floats
 
     def __len__(self) -> int:
-        """Count the places."""
+        """Number k of the singular points."""
         return len(self.places)
 
     def width_at(self, place: Sequence[float]) -> float:
-        """Width 2r of the means at a point; 0 at any other point."""
+        """Width 2r over which means are taken at a singular point; 0 at any other position."""
         return 2.0 * float(self.within[(self.places == place).all(axis=1)].max(initial=0.0))
 
     def under(self, cases: Collection[str]) -> Bools:
-        """Mask (k,) of the points that are singular under load cases."""
+        """Mask (k,) of the points that are singular if the load cases ``cases`` act."""
         return np.array([not case or case in cases for case in self.case], np.bool_)
 
 
@@ -68,7 +67,7 @@ def beside_of(discretisation: Discretisation) -> Beside:
 def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> Floats:
     """Means (k, 10): mx, my, mxy along both lines through p, then qx, qx, qy, qy on the sides of the square.
 
-    ``moment`` (s, 3) and ``shear`` (s, 2) are values at stress nodes. NaN along a line off the plate.
+    ``moment`` (s, 3) and ``shear`` (s, 2) are values at stress nodes. A mean along a line off the plate is NaN.
     """
     _, rows = _lines_of(discretisation)
     of_moment = (rows @ moment).reshape(-1, len(_LINES), 3)
@@ -78,7 +77,7 @@ def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> F
 
 @kept
 def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
-    """The singular points, and rows (6k, s) of the mean along each line of values at stress nodes."""
+    """The k singular points, and the matrix (6k, s) from values at stress nodes to means along their six lines."""
     places_found: dict[tuple[tuple[float, float], str], tuple[float, Bools]] = {}
     for case in () if discretisation.plates else (None, *discretisation.cases):
         for singularity in singularities_of(discretisation, case):
@@ -96,7 +95,7 @@ def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
 
 
 def _rows(nodes: StressNodes, places: Floats, within: Floats) -> csr_array:
-    """Rows (6k, s) that map values at stress nodes to means along the lines; at a jump each side counts half."""
+    """Matrix (6k, s) from values at stress nodes to means along lines; at a jump values of both sides count half."""
     gauss, _ = np.polynomial.legendre.leggauss(2)
     station = ((2.0 * np.arange(_PARTS) + 1.0)[:, None] / _PARTS - 1.0 + gauss / _PARTS).ravel()
     offset, along = _LINES[:, None, :2], _LINES[:, None, 2:] * station[:, None]

@@ -25,23 +25,26 @@ from signorini.model.where import Where
 
 Complexes = npt.NDArray[np.complex128]
 Slopes = Literal["free", "slope", "twist", "clamped"]
-"""Held slopes along an edge: none, the one normal to it, the one along it, or both."""
+"""Slopes that an edge holds: none, the one normal to the edge, the one along the edge, or both."""
 
 _LEAST, _MOST, _TALL = 4e-3, 0.98, 2.0
-"""Range of the real parts of exponents, and their largest imaginary part (dimensionless).
-
-The exponents 0 and 1 of rigid motions are outside. Growth as r^-0.02 is invisible on any mesh; the smallest exponent of
-interest, of a hard corner of 179°, is 0.0056."""
+"""Smallest and largest real part and largest imaginary part of the exponents that are sought (dimensionless). The
+exponents 0 and 1 of rigid motions are outside this box. Growth as r^-0.02 is invisible on any mesh; the smallest
+exponent of interest, of a hard corner of 179°, is 0.0056."""
 _STEPS = 400
-"""Number of points on each side of the box in the complex plane: the argument changes by far less than π per step."""
+"""Number of points on each side of the box in the complex plane: the argument changes by far less than π between two
+points.
+"""
 STRAIGHT = np.radians(1.0)
-"""Largest angle in radians (1°) between two sides of a smooth edge."""
+"""Largest angle in radians (1°) between two successive sides of a smooth edge."""
 _OF_ROUND = 0.2
-"""Largest angle between two sides of a smooth round edge, relative to the angle by which a side turns: sides are
-parabolas, not arcs.
+"""Largest angle between two successive sides of a round edge, relative to the angle by which a side turns. It is not
+zero, since sides are parabolas, not arcs.
 """
 _OFF_ROUND = 0.1
-"""Tolerance for a point on a curved side, relative to the side's rise: points of the exact circle are off it."""
+"""Largest distance from a curved side at which a point counts as on the side, relative to the side's rise. Points of
+the exact circle are off the parabola.
+"""
 _NEAR, _NONE = 1e-4, 1e-6
 """Step of the difference quotient of a settlement, relative to the plate's size; relative tolerance for equal slopes.
 
@@ -49,7 +52,7 @@ The error of the quotient, of second order, is below the tolerance."""
 
 
 def slopes_held(across: bool, along: bool) -> Slopes:
-    """Held slopes, given whether the slopes across (normal to) and along an edge are held."""
+    """Name of the held slopes, given whether an edge holds the slope across (normal to) it and along it."""
     if across:
         return "clamped" if along else "slope"
     return "twist" if along else "free"
@@ -58,9 +61,9 @@ def slopes_held(across: bool, along: bool) -> Slopes:
 def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool:
     """Whether shears are singular at a corner between edges that hold the deflection (``held``) or not.
 
-    At a right angle between a held and a free edge, they grow as the logarithm of the distance: on the held edge the
-    shear strain ∂w/∂s − θs is −θs, on the free one the normal shear strain is 0. This does not happen if the held edge
-    also holds the slope ``along`` itself at that of its deflection.
+    At a right angle between a held and a free edge, shears grow as the logarithm of the distance. On the held edge the
+    shear strain ∂w/∂s − θs is −θs, on the free edge the normal shear strain is 0. Shears do not grow if the held edge
+    also holds the slope along itself at ∂w/∂s of its deflection (``along``).
     """
     if held == other_held:
         return bool(angle > np.pi + STRAIGHT)
@@ -68,18 +71,19 @@ def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool
 
 
 def moments_grow(angle: float, first: Slopes, second: Slopes, poisson: float) -> bool:
-    """Whether moments are singular at a corner between two edges with given held slopes."""
+    """Whether moments are singular at a corner between two edges with the held slopes ``first`` and ``second``."""
     if abs(angle - np.pi) <= STRAIGHT and first == second:
         return False
     return exponents_below_one(angle, first, second, poisson) > 0
 
 
 def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: float) -> int:
-    """Count the exponents λ with real parts between 0 and 1, by the argument principle.
+    """Count the exponents λ of a corner with real parts between 0 and 1, by the argument principle.
 
-    They are the zeros of the determinant of both edges' conditions on Williams' functions of plane stress (1952).
+    The exponents are the zeros of the determinant of both edges' conditions on Williams' functions of plane stress
+    (1952).
     """
-    # Points are dense near the real axis, since the exponents 0 and 1 lie just outside the box.
+    # Points of the box's sides are dense near the real axis, since the exponents 0 and 1 lie just outside the box.
     across, along = np.linspace(_LEAST, _MOST, _STEPS), _TALL * np.linspace(-1.0, 1.0, _STEPS) ** 3
     box = [across - 1j * _TALL, _MOST + 1j * along, across[::-1] + 1j * _TALL, _LEAST + 1j * along[::-1]]
     exponents = np.concatenate(box)
@@ -90,12 +94,12 @@ def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: fl
 
 
 def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
-    """Two boundary conditions at an angle: rows over Williams' four functions, without common factors.
+    """Two boundary conditions of the edge at an angle: rows over Williams' four functions, without common factors.
 
-    A held slope is 0; where a slope is free, its moment is 0.
+    The condition is slope = 0 where the slope is held, and moment = 0 where the slope is free.
     """
     more, less = exponent + 1, exponent - 1
-    # Airy's stress function is r^(λ + 1) F; its last two functions contribute an additional term to both slopes.
+    # Airy's stress function is r^(λ + 1) F. The last two functions contribute an additional term to both slopes.
     value = np.cos(more * angle), np.sin(more * angle), np.cos(less * angle), np.sin(less * angle)
     slope = -more * value[1], more * value[0], -less * value[3], less * value[2]
     factor = 1 + (3 - poisson) / (1 + poisson)
@@ -115,14 +119,15 @@ def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: floa
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Element sides along the boundary of the plate without its rigid zones, which clamp it; the plate is on the left.
+    """Element sides along the boundary of the plate without its rigid zones; the plate is on the left of each side.
 
-    ``sides`` (k, 3) are nodes: corner, midside, corner. ``following`` (k,) is the next side, ``angles`` (k,) the angle
-    of the plate between both, π where the edge is smooth. ``rigid`` (k,) marks sides of rigid zones, ``held`` (k,)
-    sides whose deflection a rigid support holds or may hold, ``lets_go`` (k,) held sides that only supports which can
-    let go hold. ``slope`` and ``twist`` (k,) mark held slopes across and along a side. ``sheared`` (k, 2) marks the
-    begin and the end of sides where the held slope along the side differs from the slope of the held deflection.
-    ``poisson`` (k,) is Poisson's ratio beside the side.
+    Rigid zones clamp the rest of the plate. ``sides`` (k, 3) are nodes: corner, midside, corner. ``following`` (k,) is
+    the next side, ``angles`` (k,) the angle of the plate between a side and the next, π where the edge is smooth.
+    ``rigid`` (k,) marks sides of rigid zones, ``held`` (k,) sides whose deflection a rigid support holds or may hold.
+    ``lets_go`` (k,) marks held sides that only one-sided supports hold, which can open. ``slope`` and ``twist`` (k,)
+    mark held slopes across and along a side. ``sheared`` (k, 2) marks the begin and the end of sides at which the held
+    slope along the side differs from the slope of the held deflection. ``poisson`` (k,) is Poisson's ratio beside the
+    side.
     """
 
     mesh: Mesh
@@ -139,7 +144,7 @@ class Boundary:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Boundary:
-        """Find the boundary and the dofs that supports hold along it."""
+        """Find the boundary of the plate and the dofs that supports hold along it."""
         mesh, bodies = discretisation.mesh, discretisation.held.bodies
         elastic = np.flatnonzero(~bodies.rigid)
         sides = (mesh.part(elastic) if 0 < len(elastic) < len(bodies.rigid) else mesh).boundary
@@ -168,11 +173,11 @@ class Boundary:
         return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
-        """Held slopes of a side."""
+        """Held slopes of an element side: none, across it, along it, or both."""
         return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
 
     def corners(self) -> list[tuple[tuple[float, float], float, bool, tuple[str, ...]]]:
-        """Singular corners: position, angle in degrees, whether of a rigid zone, and the singular results."""
+        """Singular corners: position, angle in degrees, whether at a rigid zone, and names of the singular results."""
         result = []
         keys = np.column_stack([self.held, self.slope, self.twist])
         changes = (keys != keys[self.following]).any(axis=1)
@@ -203,31 +208,31 @@ class Boundary:
             yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
-        # The side that holds the deflection, at its end in the corner.
+        # Take the side that holds the deflection, and the end of this side at the corner.
         which, end = (side, 1) if held else (other, 0)
         return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
-        """Pairs of held deflections of two sides at their corner: all supports hold, or all that can let go do."""
+        """Held deflections of two sides at a corner: if all supports act, and if only those that cannot open act."""
         held, other_held = bool(self.held[side]), bool(self.held[other])
         lets_go, other_lets_go = bool(self.lets_go[side]), bool(self.lets_go[other])
         return {(held, other_held), (held and not lets_go, other_held and not other_lets_go)}
 
     def at(self, point: Floats) -> Ints:
-        """Sides that contain a point (2,): none inside, two at a common node."""
+        """Indices of the sides that contain a point (2,): none for a point inside, two at a common node."""
         sides = self.mesh.points[self.sides]
         distance = np.hypot(*(point - onto(sides, point)).T)
         rise = np.hypot(*(0.5 * (sides[:, 0] + sides[:, 2]) - sides[:, 1]).T)
-        # Ends of lines lie on exact circles, sides are parabolas.
+        # The tolerance is needed because ends of lines lie on exact circles, but sides are parabolas.
         return np.flatnonzero(distance <= np.maximum(self.mesh.near.written, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
-        """Direction (2,) of a side, from end to end."""
+        """Direction (2,) of an element side, from its first to its last node."""
         a, b = self.mesh.points[self.sides[side, [0, 2]]]
         return np.asarray((b - a) / np.hypot(*(b - a)))
 
     def rays(self, point: Floats) -> list[tuple[int, Floats]]:
-        """Sides that leave a point on the boundary, with their directions (2,); none at a point inside."""
+        """Sides that leave a point on the boundary, with their directions (2,); an empty list for a point inside."""
         result = []
         for side in self.at(point).tolist():
             tangent = self.tangent(side)
@@ -239,7 +244,7 @@ class Boundary:
 
 
 def middles(mesh: Mesh, where: Where) -> Ints:
-    """Midside nodes (k,) along an edge, a line or a circle; none where the mesh does not follow it."""
+    """Midside nodes (k,) along an edge, a line or a circle; empty where element sides do not follow the line."""
     if where.edges:
         return np.concatenate([mesh.edges[name] for name in where.edges])[:, 1]
     sides = None if where.curve is None else mesh.edges_along(where.curve)
@@ -248,12 +253,12 @@ def middles(mesh: Mesh, where: Where) -> Ints:
 
 @kept
 def boundary_of(discretisation: Discretisation) -> Boundary:
-    """The boundary of the plate, computed once."""
+    """The `Boundary` of the plate, computed once."""
     return Boundary.of(discretisation)
 
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
-    """Whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from the slopes of the settlement."""
+    """Mask (k,): whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from those of settlement."""
     if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]

@@ -1,4 +1,4 @@
-"""Lines: singular ends and bends, and elements cut by lines, whose moments are means of both sides."""
+"""Lines of loads and supports: singular ends and bends, and elements cut by lines, whose moments average both sides."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, mo
 from signorini.singularities.singularity import Singularity, as_places
 
 _ENDS = 1e-9
-"""Smallest line load at the end of a line, relative to its largest value, that makes the end singular."""
+"""Smallest line load at the end of a line at which the end is singular, relative to the load's largest value."""
 _BESIDE = "take values from beside these elements."
 _AS_ZONE = "Or define it by a zone, whose border the mesh follows."
 _ON_SIDE = 1e-6
-"""Tolerance for a line on a side of an element, in reference coordinates."""
+"""Largest distance from a side of an element at which a line counts as along the side, in reference coordinates."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -44,7 +44,7 @@ def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[floa
 
 
 def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
-    """Whether shears are singular at the end of a line load that continues in a direction (2,)."""
+    """Whether shears are singular at an end of a line load; ``into`` (2,) is the line's direction from this end."""
     sides = edge.at(point)
     if not len(sides):
         return True
@@ -53,12 +53,12 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # Reflected at a free edge, a line load normal to the edge continues straight; at a held edge its sign changes.
+    # Reflection continues a line load normal to the edge: with equal sign at a free edge, opposite at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
 def _grows_on_edge(edge: Boundary, loaded: int, beside: int) -> bool:
-    """Whether shears are singular where a loaded side is followed by an unloaded one, or the load ends on it."""
+    """Whether shears are singular where a load on side ``loaded`` ends: at side ``beside`` or, if equal, within it."""
     if edge.held[loaded]:
         return False
     angle = np.pi
@@ -68,7 +68,7 @@ def _grows_on_edge(edge: Boundary, loaded: int, beside: int) -> bool:
 
 
 def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
-    """Singular ends of a load on edges: where the edge continues straight, or meets a held edge at a right angle."""
+    """Singular ends of a load on edges: the edge continues straight there, or meets a held edge at a right angle."""
     assert load.line_load is not None
     edge, mesh = boundary_of(discretisation), discretisation.mesh
     middles = np.concatenate([mesh.edges[name] for name in load.where.edges])[:, 1]
@@ -96,19 +96,20 @@ def ends_of_line(
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
         if along_edge or (len(directions) == 2 and not _bends(*directions)):
-            continue  # corners of edges are found in `Boundary.corners`
+            continue  # corners of the plate's edges are found in `Boundary.corners`
         if not rays:
             numbers = (("moment",) if held_slopes != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle, slopes split into parts even and odd about the line. In each part one slope is 0 on the
-            # line by symmetry. If the line holds the other slope, the part is clamped.
+            # At a right angle, slopes split into parts even and odd about the line.
+            # In each part one of the two slopes is 0 on the line by symmetry.
+            # If the line holds the other slope too, both halves of the plate are clamped there for this part.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)
             )
-            # A rigid line and an edge form a corner; an elastic line acts as a line load.
+            # A rigid line and an edge form a corner of the plate; an elastic line acts as a line load.
             sheared = shears_along(support, point[None], np.array(directions), discretisation.mesh.size).any()
             strained = "twist" not in support.fixed or sheared
             grows = not held.all() and (askew or strained) if rigid else held.any() or askew
@@ -119,7 +120,7 @@ def ends_of_line(
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line, and the directions (2,) along the line from each: one at an end, else two."""
+    """Points (n, 2) of a line, and the directions (2,) in which the line leaves each: one at an end, otherwise two."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate
@@ -132,7 +133,7 @@ def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats,
 
 
 def _directions(along: Polyline) -> list[list[Floats]]:
-    """Directions along a polyline from each of its points; two at the first point of a closed one."""
+    """Directions in which a polyline leaves each of its points; two at the first point of a closed polyline."""
     tangents = [side.at(np.array([0.0, side.length]))[1] for side in map(arc_of, along.sides)]
     result = [[tangents[0][0]], *([-before[1], after[0]] for before, after in pairwise(tangents)), [-tangents[-1][1]]]
     if along.points[0] == along.points[-1]:
@@ -145,7 +146,7 @@ def _bends(backward: Floats, forward: Floats) -> bool:
 
 
 def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Nodes of elements in which thickness or stiffness jumps: their moments are those of a laminate."""
+    """Yield the nodes of elements in which thickness or stiffness jumps; there moments are those of a laminate."""
     zones = discretisation.zones
     cut = discretisation.thickness.layered[0] if discretisation.thickness.layered is not None else np.zeros(0, np.int64)
     parted = zones.parted[:, cut]
@@ -157,7 +158,7 @@ def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
 
 
 def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Nodes of elements cut by a line that holds slopes, across which moments jump."""
+    """Yield the nodes of elements cut by a line that holds slopes; moments jump across such a line."""
     for support in discretisation.model.support:
         along = support.where.curve
         if along is None or not support.holds_rotation:
@@ -177,7 +178,7 @@ def _within(
 
 
 def _crossed(discretisation: Discretisation, along: Curve) -> Ints:
-    """Elements (k,) that a line cuts, not those with the line along a side."""
+    """Elements (k,) that a line cuts; elements with the line along a side are not cut."""
     mesh = discretisation.mesh
     if mesh.edges_along(along) is not None:
         return np.zeros(0, np.int64)

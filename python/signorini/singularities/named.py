@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import base_jumps, has_constant_gap, is_unyielding
+from signorini.discretise.laws import base_jumps, has_constant_base, is_unyielding
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Support
@@ -20,23 +20,23 @@ from signorini.singularities.singularity import Singularity, as_places, at_peaks
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
 _AROUND = 1e-5
-"""Distance from a corner of a zone, relative to the plate's size, at which sections around it are compared."""
+"""Distance from a corner of a zone, relative to the plate's size, at which the sections around the corner are compared.
+"""
 _ALIKE = 1e-3
-"""Smallest relative jump of the thickness around a corner of a zone."""
+"""Smallest relative difference of thicknesses around a corner of a zone that counts as a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
-"""Unit vectors in eight directions."""
+"""Unit vectors in eight directions, by which sections around a corner are compared."""
 _RESOLVED = 0.5
-"""Least width of a resolved footprint relative to its element.
-
-Moments are too small by a fifth at a third of an element, by a third at a tenth."""
+"""Least width of a footprint relative to its element at which moments are resolved. They are too small by a fifth at a
+width of a third of an element, by a third at a tenth."""
 _MOST_PLACES = 6
-"""Largest number of places in a sentence; results.json has all."""
+"""Largest number of places that a sentence lists; results.json lists more."""
 
 
 def singularities(discretisation: Discretisation, cases: Collection[str] | None = None) -> tuple[Singularity, ...]:
-    """Singularities under some load cases; ``cases=None``: under all.
+    """Singularities under the load cases ``cases``, or under all if it is None.
 
-    Those of supports are included whether or not the supports act.
+    The singularities of supports are always included, whether or not the supports are in contact.
     """
     acting = [case for case in discretisation.cases if cases is None or case in cases]
     return (
@@ -47,9 +47,9 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 
 @kept
 def excluding(discretisation: Discretisation, number: str, cases: frozenset[str]) -> tuple[Singularity, ...]:
-    """Singularities around which nodes are excluded from extremes of "moment" or "shear", under some load cases.
+    """Singularities around which nodes are excluded from extremes of "moment" or "shear", under given load cases.
 
-    A plate all of whose nodes would be excluded has none: its extremes are over all nodes.
+    The tuple is empty if all nodes would be excluded: extremes are then over all nodes.
     """
     result: list[Singularity] = []
     for plate in discretisation.members:
@@ -61,7 +61,7 @@ def excluding(discretisation: Discretisation, number: str, cases: frozenset[str]
 
 @kept
 def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
-    """Singularities of one load case; ``case=None``: those of supports, corners and zones."""
+    """Singularities of one load case or, if ``case`` is None, those of supports, corners and zones."""
     if discretisation.plates:
         each = discretisation.plates
         return tuple(
@@ -142,7 +142,10 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
 def _off_bodies(
     discretisation: Discretisation, places: tuple[tuple[float, float], ...], outline: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """Positions outside rigid zones, and outside their outlines if ``outline``; forces on rigid bodies are regular."""
+    """Those positions that are outside rigid zones; if ``outline``, a position on a zone's outline is dropped too.
+
+    Forces on rigid bodies cause no singularity.
+    """
     mesh, rigid = discretisation.mesh, discretisation.held.bodies.rigid
     if not places or not rigid.any():
         return places
@@ -156,7 +159,7 @@ def _off_bodies(
 def _on_rigid_areas(
     discretisation: Discretisation, places: tuple[tuple[float, float], ...], subject: str
 ) -> Iterator[Singularity]:
-    """Yield point forces on rigid areas, whose pressure is singular under them."""
+    """Yield a singularity of pressure for point forces on rigid areas."""
     for support in discretisation.model.support:
         if support.area is None or not is_unyielding(support):
             continue
@@ -170,7 +173,7 @@ def _on_rigid_areas(
 def _unresolved(
     discretisation: Discretisation, middles: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
-    """Yield footprints, circles, lines and areas that are much smaller than their elements."""
+    """Yield a singularity for footprints, circles, lines or areas that are much smaller than their elements."""
     places = np.array(_off_bodies(discretisation, as_places(np.array(middles).reshape(-1, 2)))).reshape(-1, 2)
     location = discretisation.mesh.locate(places)
     coarse = location.inside & (size < _RESOLVED * np.sqrt(discretisation.mesh.element_area[location.elements]))
@@ -189,7 +192,7 @@ def _unresolved_shape(
 
 
 def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Singularity]:
-    """Yield ends and corners of a support's line, and the outline of its rigid area."""
+    """Yield singularities of the ends and corners of a support's line, and of the outline of its rigid area."""
     rigid, along, shape = support.is_rigid, support.where.curve, support.where.region
     if support.where.shape is not None:
         yield from _unresolved_shape(discretisation, support.where.shape, support.name, support.name)
@@ -222,9 +225,9 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
 
 
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
-    """Yield edges and corners of a plate on a rigid area; none if it lies flat, under pressure only."""
+    """Yield edges and corners of a plate on a rigid area, unless the plate lies flat under pressure only."""
     model, edge = discretisation.model, boundary_of(discretisation)
-    flat = len(model.support) == 1 and has_constant_gap(support)
+    flat = len(model.support) == 1 and has_constant_base(support)
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
     for loop in edge.loops():
@@ -241,7 +244,7 @@ def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) 
 
 
 def _of_corners(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Yield corners of edges, grouped by singular results: a polygonal outline may have many."""
+    """Yield corners of edges, grouped by the names of the singular results, since a polygonal outline may have many."""
     groups: dict[tuple[bool, bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
     for position, degrees, rigid, numbers in boundary_of(discretisation).corners():
         groups.setdefault((rigid, abs(degrees - 180) < 1, numbers), []).append((position, degrees))
@@ -261,7 +264,7 @@ def _listed_places(where: Sequence[tuple[float, float]], size: float) -> str:
 
 
 def _of_zones(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Yield corners of borders inside the plate at which thickness or stiffness jumps."""
+    """Yield corners of the borders of zones inside the plate, if thickness or stiffness jumps there."""
     edge, mesh = boundary_of(discretisation), discretisation.mesh
     for number, zone in enumerate(discretisation.model.zone, 1):
         corners = np.zeros((0, 2)) if isinstance(zone.region, Circle) else zone.region.corners

@@ -11,7 +11,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 
 _AS_FAR = 1e-9
-"""Tolerance for the distance of a node from a singular point, relative to the mesh's size."""
+"""Largest distance of a node from a singular point that counts as zero, relative to the mesh's size."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,9 @@ class Singularity:
     ``where`` are points (x, y) or, if ``line``, the vertices of a singular line. ``what`` describes the cause.
     ``numbers`` are the singular results: "deflection", "rotation", "moment", "shear", "pressure" (per area, or per
     length along a line) or "reaction" (of a support at points). ``source`` is the support's name, the load case, or
-    "plate". ``limited`` results converge, but not on elements of this size: a footprint smaller than its element.
-    Nodes up to the distance ``within`` belong to the peak: the least thickness around the place, or 0 if ``where`` are
-    the nodes of cut elements.
-    ``plate`` is the name of the plate if there are several.
+    "plate". If ``limited``, the results converge, but not on elements of this size, since a footprint is smaller than
+    its element. Nodes up to the distance ``within`` belong to the peak: the least thickness around the place, or 0 if
+    ``where`` are the nodes of cut elements. ``plate`` is the name of the plate if there are several plates.
     """
 
     where: tuple[tuple[float, float], ...]
@@ -42,7 +41,7 @@ class Singularity:
         return number in self.numbers and not (self.line or self.limited)
 
     def __str__(self) -> str:
-        """Describe it in a sentence or two."""
+        """Describe the cause, the singular results and the advice."""
         have, are = ("have", "are") if len(self.numbers) > 1 else ("has", "is")
         if self.limited:
             sentence = f"{_listed(self.numbers)} at it {are} too small."
@@ -54,14 +53,14 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Mask (n,) of nodes outside the peaks of a singular result, such as "moment" or "shear".
 
     These nodes are farther than ``within`` from the singular points, on every mesh. Other nodes of elements at the
-    points are kept: otherwise a coarser mesh would exclude more of the plate. If no node remained, all are kept.
+    points are kept: otherwise a coarser mesh would exclude more of the plate. All nodes are kept if none would remain.
     """
     away = ~at_peaks(mesh, named, number)
     return away if away.any() else np.ones_like(away)
 
 
 def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
-    """Mask (n,) of nodes in the peaks of a singular result."""
+    """Mask (n,) of nodes within ``within`` of points at which a result, such as "moment" or "shear", is singular."""
     result = np.zeros(mesh.node_count, np.bool_)
     peaks = [singularity for singularity in named if singularity.excludes(number)]
     if not peaks:
@@ -71,7 +70,7 @@ def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     for singularity in peaks:
         reach = singularity.within + _AS_FAR * mesh.size
         for point in singularity.where:
-            # Only nodes of a strip in x can be within reach.
+            # Only nodes in a strip of x can be within reach of the point.
             near = slice(np.searchsorted(x, point[0] - reach), np.searchsorted(x, point[0] + reach, side="right"))
             result[order[near]] |= np.hypot(x[near] - point[0], y[near] - point[1]) <= reach
     return result

@@ -1,7 +1,7 @@
-//! Factors x of the point responses, for one contact state after another.
+//! Solves the equations of contact states, one state after another, for the factors x of the point responses.
 //!
-//! The equations of a state differ from those of a reference state in the rows of the points that changed their piece.
-//! One inverse therefore serves both states (Woodbury 1950), with corrections by residuals in double-double.
+//! The equations of a state differ from those of a reference state only in the points that changed their piece. So the
+//! inverse for the reference state serves for both (Woodbury 1950), with corrections by double-double residuals.
 
 use crate::contact::interface::{Form, Interface};
 use crate::contact::points::Points;
@@ -13,39 +13,39 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Largest ratio of changed points to all points for an update of the inverse; with more changes a factorization is
-/// cheaper.
+/// Largest ratio of changed points to all points for which the inverse of the reference state is updated. With more
+/// changes a new factorization is cheaper.
 const FEW: f64 = 0.25;
-/// Largest number of points with a dense inverse; it limits memory.
+/// Largest number of points for which the dense inverse is stored; it limits memory.
 const MOST: usize = 2000;
-/// Largest number of corrections with an updated inverse; without convergence the equations of the state are factored.
+/// Largest number of corrections with the updated inverse. Without convergence the equations of the state are factored.
 const CORRECTIONS: usize = 4;
 
-/// Factors x of the point responses, reactions and gaps, each (m,).
+/// Factors x of the point responses, reactions and gaps of the contact points; each has shape (m,).
 pub(super) type PointFactors = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Solver of the equations of contact states for the factors x. The equation of a point prescribes travel − r/k if its
-/// force depends on the travel, otherwise r.
+/// Solver of the equations of contact states for the factors x of the point responses. If the force of a point depends
+/// on its travel, the equation of the point prescribes travel − r/k, otherwise r.
 pub(super) struct ContactSetSolver {
     form: Form,
-    /// Travel and reaction of all points under each point response (m, m), response by response.
+    /// Travel (`moved`) and reaction of all points under each point response (m, m), response by response.
     moved: Vec<f64>,
     reaction: Vec<f64>,
     known: Option<ReferenceInverse>,
 }
 
-/// The compliance of a point whose force depends on the travel; `None` for other points.
+/// The compliance 1/k of a point whose force depends on its travel; `None` for other points.
 type Compliance = Option<f64>;
 
-/// A contact state and the inverse of its equations, each scaled by its largest coefficient.
+/// A contact state and the inverse of its equations. Each equation is divided by its largest coefficient.
 struct ReferenceInverse {
     pieces: Vec<u8>,
-    /// Scale factor (m,) of each equation.
+    /// Scale factor (m,) by which each equation is multiplied.
     unit: Vec<f64>,
     inverse: Mat<f64>,
 }
 
-/// Compliances (m,) of the points in a contact state.
+/// A contact state, given by the compliances (m,) of the points on their pieces.
 struct On<'a> {
     interface: &'a Interface,
     form: Form,
@@ -57,7 +57,7 @@ impl On<'_> {
         self.compliance.len()
     }
 
-    /// The coefficient of x_i in the equation of point i, if all other coefficients are zero.
+    /// The coefficient of x_i in the equation of point i if x_i is its only unknown; otherwise `None`.
     fn alone(&self, i: usize) -> Option<f64> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
@@ -69,7 +69,7 @@ impl On<'_> {
 }
 
 impl ContactSetSolver {
-    /// Makes the solver from the response of each point.
+    /// Makes the solver from the responses `points` to each contact point.
     pub(super) fn new(form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
         let count = points.len();
         Ok(Self {
@@ -88,7 +88,7 @@ impl ContactSetSolver {
         On { interface, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
-    /// Inverts the equations of the reference state `pieces`, unless they are singular.
+    /// Inverts the equations of the reference state `pieces`. If they are singular, no inverse is stored.
     pub(super) fn begin_with(
         &mut self,
         interface: &Interface,
@@ -110,8 +110,8 @@ impl ContactSetSolver {
         Ok(())
     }
 
-    /// Factors, reactions and gaps for a contact state, given the travels `moved` and reactions `reaction` (m,) without
-    /// point responses; `None` if the equations are singular.
+    /// Factors x, reactions and gaps for the contact state `pieces`; `None` if its equations are singular. `moved` and
+    /// `reaction` (m,) are travels and reactions of the points before point responses are added.
     pub(super) fn solve(
         &self,
         interface: &Interface,
@@ -141,7 +141,7 @@ impl ContactSetSolver {
         Ok(Some((factor, reaction, gap)))
     }
 
-    /// Coefficient of x_j in the equation of point i.
+    /// Coefficient of x_j in the equation of point i for the contact state `on`.
     fn coefficient(&self, on: &On, i: usize, j: usize) -> f64 {
         let at = j * on.len() + i;
         match (on.alone(i), on.compliance[i]) {
@@ -158,7 +158,8 @@ impl ContactSetSolver {
         if largest > 0.0 { 1.0 / largest } else { 1.0 }
     }
 
-    /// own_i + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double, vectorized over the points i.
+    /// For each point i, own_i + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double. `moved_ij` and `reaction_ij`
+    /// are travel and reaction of point i under point response j.
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
@@ -178,7 +179,7 @@ impl ContactSetSolver {
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
-    /// Residual (m,) of the equations.
+    /// Residual (m,) of the equations for the factors `x`: `right` minus the left-hand side.
     fn residual(&self, on: &On, right: &[f64], x: &[f64]) -> Vec<f64> {
         let mut residual = self.add_products(right.to_vec(), x, |i, moved, reaction| match on.compliance[i] {
             Some(compliance) => compliance * reaction - moved,
@@ -192,8 +193,8 @@ impl ContactSetSolver {
         residual
     }
 
-    /// Solves with the inverse of the reference state. `None` if there is no inverse, after too many changes, or
-    /// without convergence.
+    /// Factors x (m,) by the updated inverse of the reference state. `None` if there is no inverse, if too many points
+    /// changed, or without convergence.
     fn updated(&self, on: &On, pieces: &[u8], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let Some(ReferenceInverse { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = on.len();
@@ -203,7 +204,7 @@ impl ContactSetSolver {
         }
         let mut unit = unit.clone();
         changed.iter().for_each(|&i| unit[i] = self.unit(on, i));
-        // Product of the changed equations with the columns of the inverse.
+        // Rows of the changed equations; times the columns of the inverse they give the capacitance matrix of Woodbury.
         let row = |p: usize, j: usize| unit[changed[p]] * self.coefficient(on, changed[p], j);
         let rows = dense::matrix(changed.len(), count, row)?;
         let columns = dense::matrix(count, changed.len(), |i, q| inverse[(i, changed[q])])?;
@@ -231,7 +232,7 @@ impl ContactSetSolver {
         Ok(None)
     }
 
-    /// Solves by a factorization of the coupled equations; `None` if they are singular.
+    /// Factors x (m,) by a factorization of the equations with more than one coefficient; `None` if they are singular.
     fn factored(&self, on: &On, right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let mut x = vec![0.0; on.len()];
         let mut unknown = Vec::new();
@@ -249,7 +250,7 @@ impl ContactSetSolver {
         if !factors.has_pivots_above(0.0) {
             return Ok(None);
         }
-        // The second pass is one step of iterative refinement.
+        // The second pass is a step of iterative refinement for the solution of the first pass.
         for _ in 0..2 {
             let residual = self.residual(on, right, &x);
             let mut step = Mat::from_fn(size, 1, |p, _| residual[unknown[p]]);

@@ -1,8 +1,8 @@
-//! Many combinations of few load cases: one LCP for each combination, without an operation on the plate.
+//! Many combinations of few load cases: each combination solves one LCP, without an operation on the plate.
 //!
-//! All terms that are linear in the factors are condensed once. A combination sums q over its cases, solves its LCP,
-//! and solves the equations of the contact state with the refined responses. Each result depends on the factors of its
-//! combination only, so that order and number of threads change no bit.
+//! Everything that is linear in the factors of the cases is condensed once. A combination sums q over its cases, solves
+//! its LCP, and solves the equations of its contact state with the refined responses. Its result depends on its own
+//! factors only, so that order of combinations and number of threads change no bit.
 
 mod contact_set_solver;
 
@@ -18,13 +18,13 @@ use crate::lcp::{Lcp, LcpBasis, LcpFamily};
 use contact_set_solver::ContactSetSolver;
 use rayon::prelude::*;
 
-/// Number of combinations between two calls of the callback.
+/// Number of combinations solved between two calls of the callback.
 const TOGETHER: usize = 256;
 
-/// Solution of one combination at the contact points (m,).
+/// Solution of one combination at the m contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    /// Factors x (m,) of the responses of points, see [`Response`].
+    /// Factors x (m,) of the point responses, see [`Response`].
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
     pub gap: Vec<f64>,
@@ -32,27 +32,28 @@ pub struct Combined {
     pub pivots: usize,
 }
 
-/// Data shared by all combinations.
+/// Condensed load cases, which all combinations share.
 pub struct CombinedCases {
     form: Form,
-    /// q without load and of each case, before the free motions are imposed.
+    /// q (k,) of the LCP without load, and its change for each case, before the free motions are imposed.
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
-    /// LCPs with one M and a common start basis; `None` if that basis is singular.
+    /// LCPs with the same M that start at the basis of the reference state; `None` if this basis is singular.
     family: Option<LcpFamily>,
     set_solver: ContactSetSolver,
-    /// Violation (m,) of the first pieces at u = 0 and r = 0.
+    /// Distance (m,) in travel from u = 0, r = 0 to the line of each point's first piece.
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
 }
 
 impl ContactProblem {
-    /// Condenses load cases for [`ContactProblem::combine`]. `rest`, `cases` and `points` are responses; their
-    /// displacements are unused.
+    /// Condenses load cases for [`ContactProblem::combine`], from the responses without load (`rest`), to each case
+    /// (`cases`) and to each contact point (`points`). Their displacements are not used.
     ///
-    /// The reference contact state is that of all cases at factor 1, or the first pieces if this load has no solution.
-    /// Each LCP starts from the basis of the reference state, and each contact state is solved with its inverse.
+    /// The reference contact state is the solution for the sum of all cases, or the first pieces if this load has no
+    /// solution. Each LCP starts from the basis of the reference state. The equations of each contact state are solved
+    /// with the inverse for the reference state.
     pub fn combined_cases(
         &self,
         rest: Response,
@@ -65,7 +66,7 @@ impl ContactProblem {
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
-        // Violation of the first piece at u = 0 and r = 0.
+        // Distance in travel from u = 0, r = 0 to the line of the first piece.
         let to_piece = |(i, &piece): (usize, &u8)| {
             let piece = self.points.piece(i, piece);
             piece.travel - piece.compliance() * piece.force
@@ -93,11 +94,11 @@ impl ContactProblem {
         Ok(shared)
     }
 
-    /// Solves combinations in parallel; each row of `factors` has one factor per case. `watch` is called repeatedly and
-    /// cancels by returning false.
+    /// Solves combinations in parallel; each row of `factors` has one factor per case. `watch` is called between groups
+    /// of combinations and cancels by returning false.
     ///
-    /// [`SolveError::NoEquilibrium`] includes contradictory gaps. [`SolveError::Unsolved`] means that the combination
-    /// must be solved separately: signs are within rounding, or the pivot limit was reached.
+    /// The error [`SolveError::NoEquilibrium`] includes gaps that contradict each other. [`SolveError::Unsolved`] means
+    /// that the combination must be solved separately: signs are within rounding, or the pivot limit was reached.
     pub fn combine(
         &self,
         shared: &CombinedCases,
@@ -140,13 +141,14 @@ impl ContactProblem {
             Err(SolveError::Unsolved) => {}
             combined => return combined,
         }
-        // Rounding of many pivots gave an infeasible state near the solution. A fresh tableau needs few pivots from
-        // there.
+        // The LCP was solved, but the state is infeasible because of rounding in many pivots. A new tableau that starts
+        // from this state needs few pivots.
         let again = pieces_of(self, template, &q, Some(pieces), &mut pivots, &mut |_| true)?;
         self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
-    /// Solves a combination, with the summed responses `sum`, on the contact state `piece` (m,).
+    /// Solves a combination on the contact state `piece` (m,). `sum` has the responses without load and to the cases,
+    /// summed with the factors of the combination.
     fn on_pieces_of(
         &self,
         interface: &Interface,
@@ -167,12 +169,13 @@ impl ContactProblem {
         Ok(Combined { factor, reaction, gap, piece, pivots })
     }
 
-    /// Whether every point is within the bounds of its piece, up to rounding.
+    /// Whether every point is within the bounds of its piece, up to rounding. `travel` is the largest travel of the
+    /// summed responses.
     fn is_certain(&self, pieces: &[u8], reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let force = tolerances::SIGN * largest_force(self, &[], reaction);
         let (shift, arm) = (&self.points.shift, &self.points.arm);
         let moved = (0..gap.len()).map(|i| arm[i] * (shift[i] - gap[i]).abs()).fold(0.0, f64::max);
-        // A distant stop does not change the tolerance at other points.
+        // A point with a large gap does not change the tolerance at other points.
         let length = |i: usize| {
             let moved = moved / arm[i];
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])
@@ -183,7 +186,7 @@ impl ContactProblem {
     }
 }
 
-/// Right-hand side of the condensed equations for a response.
+/// Right-hand side of the condensed equations for a response; `violation` (m,) is copied.
 fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),
@@ -193,7 +196,7 @@ fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
 }
 
 impl CombinedCases {
-    /// The sum of the case responses of a combination, and q (k,) of its LCP.
+    /// The responses summed with the factors of a combination, and q (k,) of the LCP of the combination.
     fn pose(&self, template: &LcpTemplate, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
@@ -204,7 +207,7 @@ impl CombinedCases {
         (sum, q)
     }
 
-    /// Response without load plus Σ factor · case response, without displacements.
+    /// The response without load plus Σ factor · case response; displacements are left out.
     fn sum(&self, factors: &[f64]) -> Response {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();

@@ -1,4 +1,4 @@
-//! Points that are beyond the bounds of their pieces.
+//! Finds contact points that are beyond an end of their present piece of the law.
 
 use crate::contact::backend::Backend;
 use crate::contact::points::PointState;
@@ -8,8 +8,8 @@ use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// The points that are beyond a bound of their piece by more than rounding, each with the adjacent piece beyond that
-/// bound. Lengths up to `least_length` count as zero.
+/// The points that are beyond a bound of their piece by more than rounding, each with the number of the adjacent piece
+/// beyond this bound. Lengths up to `least_length` count as zero.
 pub(super) fn beyond_rounding(
     problem: &ContactProblem,
     load: &[f64],
@@ -17,7 +17,7 @@ pub(super) fn beyond_rounding(
     solution: &ContactSolution,
 ) -> Vec<(usize, u8)> {
     let lengths = lengths(problem, solution);
-    // Without load, the reference force is the stiffness times the displacement.
+    // Without load, the reference force is the largest stiffness times the largest reference travel.
     let stiffness = match &problem.backend {
         Backend::Condensed { interface, .. } => largest(&interface.delta).max(problem.scale.stiffness),
         Backend::Penalised(_) | Backend::SaddlePoint(_) => problem.scale.stiffness,
@@ -31,8 +31,8 @@ pub(super) fn beyond_rounding(
     beyond(problem, |i| solution.state(i), force, length).collect()
 }
 
-/// The points that are beyond a bound of their piece by more than `force`, or by more than `length(i)` in travel, each
-/// with the adjacent piece beyond that bound.
+/// The points that are beyond a bound of their piece by more than `force`, or by more than `length(i)` in travel. Each
+/// comes with the number of the adjacent piece beyond this bound.
 pub(in crate::contact) fn beyond(
     problem: &ContactProblem,
     state: impl Fn(usize) -> PointState,
@@ -43,7 +43,8 @@ pub(in crate::contact) fn beyond(
     (0..points.len()).filter_map(move |i| {
         let (state, length) = (state(i), length(i));
         let piece = points.piece(i, state.piece);
-        // For a soft spring, the force of `length` is the smaller tolerance.
+        // For a soft spring, the tolerance is the force that the spring has at the travel `length`, which is less than
+        // `force`.
         let allowed = if piece.holds() { (force * points.arm[i]).min(length * piece.slope) } else { length };
         let is_outside = |is_upper| points.signed_distance(i, state, is_upper).is_some_and(|d| !(d >= -allowed));
         if is_outside(false) { Some((i, state.piece - 1)) } else { is_outside(true).then_some((i, state.piece + 1)) }

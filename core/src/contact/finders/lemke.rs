@@ -1,4 +1,4 @@
-//! Lemke's algorithm on the condensed points: finitely many pivots between contact states.
+//! Lemke's algorithm on the condensed points. It finds the contact state by finitely many pivots.
 
 use super::feasibility::beyond_rounding;
 use crate::cholesky::FactorError;
@@ -14,11 +14,11 @@ use crate::contact::solution::{ContactSolution, Progress, Watch};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, LemkeOptions, lemke_watched};
 
-/// Largest number of contact states that are refined.
+/// Largest number of LCPs that are posed for one load; the contact state of each is refined.
 const STATES: usize = 60;
 
-/// Solves one load by Lemke's algorithm with refinement. If the refined solution violates a bound, a new LCP is posed
-/// from that solution.
+/// Solves one load by Lemke's algorithm and refines the solution. If the refined solution violates a bound of a piece,
+/// a new LCP is posed from this solution.
 pub(in crate::contact) fn by_lemke(
     problem: &ContactProblem,
     interface: &Interface,
@@ -46,7 +46,7 @@ pub(in crate::contact) fn by_lemke(
             let before = solution.reaction.clone();
             solution.put_on(&problem.points, pieces);
             residual = Residual::of(problem, load, &solution);
-            // If no reaction changed, the right-hand side is that of the LCP.
+            // If no reaction changed, the right-hand side of the LCP is also that of the first correction.
             kkt.reduced = (solution.reaction == before).then(|| {
                 reduced.rhs.violation.clone_from(&residual.violation);
                 reduced
@@ -55,8 +55,8 @@ pub(in crate::contact) fn by_lemke(
         }
         solution.measure_gaps(&problem.points, &residual);
         if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
-            // A contact state that is regular only by rounding has no solution. If no load acts, the residual is
-            // relative to the rounding of settlements.
+            // Refuses a contact state whose equations are regular only by rounding. If no load acts, the reference
+            // force is the rounding of the forces that settlements cause.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);
             return solution.require_solved(problem, load, &residual, least);
         }
@@ -65,8 +65,8 @@ pub(in crate::contact) fn by_lemke(
     Err(SolveError::Unsolved)
 }
 
-/// The right-hand side of the LCP for the change from `solution` to the solution under a load, with violations relative
-/// to the first pieces.
+/// The condensed residual of `solution` under a load, as right-hand side of the LCP for the remaining change of the
+/// solution. Violations are relative to the first pieces.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     interface: &Interface,
@@ -78,7 +78,8 @@ pub(in crate::contact) fn posed_from(
     problem.reduced(interface, &Residual::from(problem, load, solution, &pieces), form)
 }
 
-/// The contact state (m,) that solves an LCP, starting from `from` if given. Adds to the number of pivots.
+/// The contact state (m,) that solves the LCP with the vector `q`. If the contact state `from` is present, pivoting
+/// starts at its basis. Adds the number of pivots to `pivots`.
 pub(in crate::contact) fn pieces_of(
     problem: &ContactProblem,
     template: &LcpTemplate,
@@ -106,8 +107,8 @@ pub(in crate::contact) fn pieces_of(
     Ok(vertices.pieces(&end.basis))
 }
 
-/// Covering vector (k,): a force for rows whose w is a force, otherwise the length by which that force bends the plate.
-/// Lemke's path is then independent of units.
+/// Covering vector d (k,): a force for each row whose w is a force, otherwise the length by which this force deflects
+/// the plate. The path of Lemke's algorithm then does not depend on units.
 fn covering(problem: &ContactProblem, rows: &[VertexRow]) -> Vec<f64> {
     let power_of_two = |x: f64| x.log2().round().exp2();
     let root = power_of_two(problem.scale.stiffness.sqrt());

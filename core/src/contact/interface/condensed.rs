@@ -1,4 +1,4 @@
-//! The plate condensed onto its contact points.
+//! The plate condensed onto its contact points, in two forms: by the Schur complement S, or by the flexibility P̃.
 
 use super::forward_rows::ForwardRows;
 use super::schur::Schur;
@@ -12,43 +12,45 @@ use std::sync::OnceLock;
 
 /// The plate condensed onto its contact points.
 pub(in crate::contact) struct Interface {
-    /// Stiffness δ (m,) that the factor includes at the points, in addition to K.
+    /// Stiffness δ (m,) that the factored K̃ = K + Gᵀ diag(δ) G includes at the points.
     pub(in crate::contact) delta: Vec<f64>,
-    /// Rigid motions (3n,) that springs, held dofs and two-sided points leave free.
+    /// Rigid motions, each (3n,), that springs, held dofs and two-sided points leave free.
     pub(in crate::contact) free_motions: Vec<Vec<f64>>,
-    /// N (m, f): displacement Gu of each point under each of the f free rigid motions.
+    /// N (m, f): displacement Gu of each contact point in each of the f free rigid motions.
     pub(super) moves: Mat<f64>,
-    /// The Schur complement, if the rows of G select single dofs; the flexibility is then made on demand.
+    /// The Schur complement S; `None` unless each row of G selects a single dof. With it, `flexibility` is made when it
+    /// is first needed.
     pub(super) stiffness: Option<Schur>,
     flexibility: OnceLock<Flexibility>,
 }
 
-/// Matrices of the flexibility form.
+/// Matrices of the flexibility form (I − P̃δ)Δs + P̃Δr = d.
 pub(super) struct Flexibility {
-    /// The rows of G after forward substitution.
+    /// The rows of G after forward substitution with the factor of K̃.
     pub(super) rows: ForwardRows,
-    /// P̃ = GK̃⁻¹Gᵀ.
+    /// Flexibility P̃ = GK̃⁻¹Gᵀ (m, m) of the plate at the contact points.
     pub(super) matrix: Mat<f64>,
 }
 
-/// The unknowns of the complementarity problem.
+/// The form of the LCP, named by its unknowns z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// z are reactions; gaps only at points at which the factor includes a stiffness δ.
+    /// z are reactions, except at points with a stiffness δ > 0 in the factor, where z are gaps.
     Dual,
-    /// z are gaps.
+    /// z are gaps at all points.
     Stiffness,
 }
 
-/// A load after forward substitution and condensation.
+/// A load f, forward substituted with the factor and condensed onto the contact points.
 pub(in crate::contact) struct ReducedLoad {
-    /// The load after forward substitution.
+    /// The load after forward substitution, by column of the factor.
     pub(in crate::contact) forward: Vec<f64>,
     pub(in crate::contact) rhs: CondensedRhs,
 }
 
-/// Right-hand side at the points (m,): `displacement` d = GK̃⁻¹f, empty in stiffness form; `force` f̂, empty without a
-/// Schur complement; `violation`, the distances of the points from the lines of their pieces.
+/// Right-hand side at the contact points, each vector (m,). `displacement` is d = GK̃⁻¹f, empty in stiffness form.
+/// `force` is f̂, empty without a Schur complement. `violation` is the distance in travel from each point to the line
+/// of its piece.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct CondensedRhs {
     pub(in crate::contact) displacement: Vec<f64>,
@@ -57,8 +59,8 @@ pub(in crate::contact) struct CondensedRhs {
 }
 
 impl Interface {
-    /// Condenses a factor whose last `trailing` columns are contact dofs. `rows` are the rows of G by column of the
-    /// factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
+    /// Condenses a factor of K̃ whose last `trailing` columns are contact dofs. `rows` are the rows of G by column of
+    /// the factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
@@ -86,7 +88,7 @@ impl Interface {
         self.delta.len()
     }
 
-    /// The better conditioned form: stiffness if the rows of G select single dofs, otherwise dual.
+    /// The better conditioned form: `Stiffness` if each row of G selects a single dof, otherwise `Dual`.
     pub(in crate::contact) fn better_form(&self) -> Form {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
@@ -100,7 +102,8 @@ impl Interface {
         Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// Condenses a residual that is forward substituted. `violation` (m,) is copied.
+    /// Condenses a residual `forward`, which is already forward substituted, onto the points. `violation` (m,) is
+    /// copied.
     pub(in crate::contact) fn reduced(
         &self,
         form: Form,
@@ -115,8 +118,9 @@ impl Interface {
         Ok(ReducedLoad { forward, rhs: CondensedRhs { displacement, force, violation: violation.to_vec() } })
     }
 
-    /// If the rows of G select single dofs, prescribes the displacements `travel` (m,) of the points in a forward
-    /// substituted vector, and returns their reactions (m,). Otherwise returns an empty vector.
+    /// Prescribes the displacements `travel` (m,) of the points in a forward substituted vector, and returns the
+    /// reactions (m,) of the points. If a row of G has several dofs, the function returns an empty vector and leaves
+    /// `forward` as it is.
     pub(in crate::contact) fn impose(&self, travel: &[f64], forward: &mut [f64]) -> Vec<f64> {
         let Some(stiffness) = &self.stiffness else { return Vec::new() };
         let reaction = stiffness.holding_forces(&stiffness.condensed_force(forward), travel);
@@ -124,20 +128,21 @@ impl Interface {
         reaction
     }
 
-    /// Whether δ is the whole stiffness of point i, which is 1/`compliance`.
+    /// Whether δ of point i equals the whole stiffness 1/`compliance` of the point.
     pub(in crate::contact) fn absorbs(&self, i: usize, compliance: f64) -> bool {
         compliance > 0.0 && (1.0 - self.delta[i] * compliance).abs() < tolerances::interface::ABSORBED
     }
 
-    /// The first piece of each point (m,). Its force depends on the travel in stiffness form, for linear laws, and
-    /// where δ > 0. Otherwise the point is open.
+    /// The first piece (m,) of each point, relative to which the LCP is posed. In stiffness form, for linear laws, and
+    /// where δ > 0, it is the first piece on which the force depends on the travel. At other points it is the first
+    /// horizontal piece, on which a one-sided point is open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())
     }
 }
 
-/// Whether every row has one entry, and no two rows share a dof.
+/// Whether every row has a single entry and no two rows have the same dof.
 fn picks_single_dofs(rows: &[Vec<(usize, f64)>]) -> bool {
     let mut taken = HashSet::new();
     rows.iter().all(|row| row.len() == 1 && taken.insert(row[0].0))

@@ -1,9 +1,9 @@
-//! Rows of G after forward substitution. Their products are the entries of P̃.
+//! Rows of G after forward substitution with the factor of K̃. Their scalar products are the entries of P̃ = GK̃⁻¹Gᵀ.
 //!
-//! Narrow rows have the dofs of one element; these are the last columns of the factor. Wide rows join two plates or
-//! average over a footprint. In the last columns their dofs would add hundreds of columns. A wide row is forward
-//! substituted instead, and has entries only at the ancestors of its dofs in the elimination tree. The factor is L S Lᵀ
-//! with sign −1 at multiplier columns; a row is stored as SL⁻¹gᵀ.
+//! Narrow rows have dofs of one element only; these dofs are the last columns of the factor. Wide rows connect two
+//! plates or average over a footprint; as last columns their dofs would be hundreds. A wide row is therefore forward
+//! substituted through the whole factor, and has entries only at the ancestors of its dofs in the elimination tree. The
+//! factor is L S Lᵀ with sign −1 at multiplier columns; a row g is stored as SL⁻¹gᵀ.
 
 use crate::cholesky::{Factor, FactorError, LANES};
 use crate::contact::scale::dot;
@@ -14,22 +14,22 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 
 pub(super) struct ForwardRows {
-    /// Number of columns before the trailing block.
+    /// Number of columns of the factor before the trailing block.
     first: usize,
-    /// Entries of each row in the trailing block, by column.
+    /// Entries of each row in the trailing block; column i belongs to row i of G.
     last: Mat<f64>,
-    /// Nonzero entries of wide rows before the trailing block.
+    /// Nonzero entries of wide rows in the columns before the trailing block.
     wide: Vec<Wide>,
 }
 
 struct Wide {
     row: usize,
-    /// (column, value, sign of the column times value).
+    /// Each entry is (column of the factor, value, sign of the column times value).
     entries: Vec<(usize, f64, f64)>,
 }
 
 impl ForwardRows {
-    /// Forward substitutes `rows`, given by columns of a factor whose last block is `trailing`.
+    /// Forward substitutes `rows` of G, given by columns of the factor. `trailing` is the trailing block of the factor.
     pub(super) fn of(
         factor: &Factor,
         trailing: &Mat<f64>,
@@ -60,7 +60,8 @@ impl ForwardRows {
         Ok(all)
     }
 
-    /// Forward substitutes rows with entries in the trailing block only, which `first` columns precede.
+    /// Forward substitutes rows of G that have entries only in the trailing block. `first` is the number of columns
+    /// before this block.
     pub(super) fn narrow(first: usize, trailing: &Mat<f64>, rows: &[Vec<(usize, f64)>]) -> Result<Self, OutOfMemory> {
         let mut last = dense::matrix(trailing.nrows(), rows.len(), |_, _| 0.0)?;
         for (row, entries) in rows.iter().enumerate() {
@@ -70,7 +71,8 @@ impl ForwardRows {
         Ok(Self { first, last, wide: Vec::new() })
     }
 
-    /// Products (m,) of the rows with a forward substituted load: the displacements of the points under this load.
+    /// Products (m,) of the rows with a forward substituted load: the displacements of the contact points under this
+    /// load.
     pub(super) fn dot(&self, forward: &[f64]) -> Vec<f64> {
         let (before, last) = forward.split_at(self.first);
         let mut out: Vec<f64> = (0..self.last.ncols()).map(|row| dot(self.of_last(row), last)).collect();
@@ -80,7 +82,7 @@ impl ForwardRows {
         out
     }
 
-    /// Adds `force` (m,) on the rows to a forward substituted vector.
+    /// Adds the forces `force` (m,) on the contact points to a forward substituted vector.
     pub(super) fn add(&self, force: &[f64], forward: &mut [f64]) {
         let (before, last) = forward.split_at_mut(self.first);
         for (row, &force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
@@ -91,7 +93,7 @@ impl ForwardRows {
         }
     }
 
-    /// Products (m, k) of all these rows with all rows of `others`.
+    /// Scalar products (m, k) of these m rows with the k rows of `others`.
     pub(super) fn products(&self, others: &Self) -> Result<Mat<f64>, OutOfMemory> {
         let mut products = dense::product(self.last.transpose(), others.last.as_ref())?;
         let of_wide = |other: &Wide| -> Vec<f64> {

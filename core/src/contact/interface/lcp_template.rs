@@ -1,10 +1,11 @@
-//! The linear complementarity problem of contact points with monotone graphs.
+//! The linear complementarity problem (LCP) of contact points whose laws are monotone graphs.
 //!
-//! Each point starts on its first piece. Its unknown x is a force where the force depends on the travel, otherwise a
-//! travel; it is measured from the reference point of the piece ([`Piece`]). Elimination gives x = x₀ − Σ columns z. At
-//! an end of the first piece, w is the distance from x to this end, and z the length travelled along the next piece. At
-//! each further vertex, w is the length of the piece before it minus the z of the vertex before. Katzenelson (1965)
-//! follows a piecewise linear monotone map in this way. For graphs of two pieces, w and z are reaction and gap.
+//! Each point starts on its first piece. The unknown x of a point is its force if this depends on the travel, otherwise
+//! its travel, measured from the reference point of the piece ([`Piece`]). Elimination gives x = x₀ − Σ columns z. Each
+//! vertex of a graph is a row of the LCP. At an end of the first piece, w is the distance from x to this end, and z the
+//! length travelled along the next piece. At a further vertex, w is the length of the piece before it minus the z of
+//! the vertex before. Katzenelson (1965) follows a piecewise linear monotone map in this way. For graphs of two pieces,
+//! w and z are reaction and gap.
 
 use super::condensed::{CondensedRhs, Form, Interface};
 use super::motions::{FreeMotions, Work};
@@ -14,27 +15,29 @@ use crate::contact::points::Points;
 use crate::dense::{self, Lu, OutOfMemory, row_major};
 use faer::Mat;
 
-/// The LCP w = Mz + q of condensed points in one form, without q, which is affine in the load. It does not depend on
-/// the shifts of the points.
+/// The LCP w = Mz + q of condensed points in one form, without q, which is affine in the load. The template does not
+/// depend on the gaps of the points.
 pub struct LcpTemplate {
-    /// M (k, k), row-major, with the free motions imposed.
+    /// M (k, k), row-major, after the free motions are imposed on it.
     pub matrix: Vec<f64>,
     pub vertices: Vertices,
     elimination: Elimination,
     motions: FreeMotions,
 }
 
-/// Factored equations HΔx = b for the unknowns x of all points on their first pieces.
+/// Factored equations HΔx = b, where x are the unknowns of all points on their first pieces.
 enum Elimination {
-    /// H = I + SC, with the forces as unknowns and C the compliances; `None` if all first pieces are rigid.
+    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces. `None` if
+    /// all first pieces are rigid.
     Stiffness(Option<Lu>),
-    /// H of the flexibility form. `factor` is its block for the `coupled` points. `alone` are the other points, whose
-    /// column of H has one entry, with that entry. `across` are the entries of coupled columns in rows of `alone`.
+    /// H of the flexibility form. `alone` has each point whose column of H has a single entry, with this entry.
+    /// `factor` is the factored block of H for the other points, `coupled`. `across` has the entries of H in rows of
+    /// `alone` and columns of `coupled`.
     Flexibility { coupled: Vec<usize>, alone: Vec<(usize, f64)>, factor: Option<Lu>, across: Mat<f64> },
 }
 
 impl Elimination {
-    /// Replaces right-hand sides B (m, columns) by H⁻¹B.
+    /// Overwrites the right-hand sides B = `all` (m, columns) with H⁻¹B.
     fn solve_in_place(&self, all: &mut Mat<f64>) -> Result<(), OutOfMemory> {
         match self {
             Self::Stiffness(None) => {}
@@ -62,7 +65,7 @@ impl LcpTemplate {
         let vertices = Vertices::of(points, interface.first_pieces(points, form));
         let piece = vertices.first_pieces(points);
         let Vertices { rows, .. } = &vertices;
-        // Travel and force along the next piece per unit of z.
+        // For each row, the change of [travel, force] along the next piece per unit of z.
         let along: Vec<[f64; 2]> = rows.iter().map(|row| direction(points, row)).collect();
         let (elimination, mut columns) = match form {
             Form::Stiffness if interface.stiffness.is_some() => interface.by_stiffness(&piece, rows, &along)?,
@@ -83,8 +86,8 @@ impl LcpTemplate {
         Ok(Self { matrix, vertices, elimination, motions })
     }
 
-    /// q (k,) of a load, starting from the reactions `reaction` (m,), with the free motions imposed. `rhs.violation` is
-    /// relative to [`Interface::first_pieces`].
+    /// q (k,) of the LCP for a load, with the free motions imposed. The LCP is posed from the state with reactions
+    /// `reaction` (m,). `rhs.violation` is relative to [`Interface::first_pieces`].
     pub(in crate::contact) fn balanced_q(
         &self,
         interface: &Interface,
@@ -98,7 +101,8 @@ impl LcpTemplate {
         Ok(q)
     }
 
-    /// q (k,) of a load, starting from the reactions `reaction` (m,), before the free motions are imposed.
+    /// q (k,) of the LCP for a load, before the free motions are imposed. The LCP is posed from the state with
+    /// reactions `reaction` (m,).
     pub(in crate::contact) fn q(
         &self,
         interface: &Interface,
@@ -107,7 +111,7 @@ impl LcpTemplate {
         reaction: &[f64],
     ) -> Result<Vec<f64>, OutOfMemory> {
         let piece = self.vertices.first_pieces(points);
-        // A point whose first piece is horizontal releases its present reaction.
+        // A point whose first piece is horizontal changes from its present reaction to the force of that piece.
         let released: Vec<f64> =
             (0..piece.len()).map(|j| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force }).collect();
         let linear = self.linear(interface, rhs, Some(&released))?;
@@ -115,8 +119,8 @@ impl LcpTemplate {
             if !row.is_next() {
                 return end_length(points, row);
             }
-            // x is `from` plus an increment, measured from the reference point of the first piece. An upward row needs
-            // the upper end of the piece, another row the lower end.
+            // x is `from` plus an increment, both relative to the reference point of the first piece. An upward row
+            // needs the upper end of the piece, a downward row the lower end.
             let (i, piece) = (row.point, piece[row.point]);
             let from = if piece.holds() { reaction[i] - piece.force } else { 0.0 };
             let [low, high] = points.ends(i, self.vertices.base[i]);
@@ -127,7 +131,7 @@ impl LcpTemplate {
         Ok(linear.into_iter().zip(&self.vertices.rows).map(length).collect())
     }
 
-    /// Change of q (k,) under an increment of load.
+    /// Change of q (k,) of the LCP for an increment of load.
     pub(in crate::contact) fn increment(
         &self,
         interface: &Interface,
@@ -170,19 +174,19 @@ impl LcpTemplate {
         Ok(self.vertices.rows.iter().map(of).collect())
     }
 
-    /// Imposes the free motions on q of a load: the reactions on the first pieces balance the load.
+    /// Imposes the free motions on q of a load: the reactions on the first pieces must balance the load.
     pub(in crate::contact) fn balance(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance(q, rhs, work);
     }
 
-    /// Imposes the free motions on the change of q under an increment of load.
+    /// Imposes the free motions on the change of q for an increment of load.
     pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance_increment(q, rhs, work);
     }
 }
 
 impl Interface {
-    /// H of SΔs + Δr = f̂ with all points in contact, and the columns (m, k) of z.
+    /// H of SΔs + Δr = f̂ with every point on its first piece, and the columns (m, k) that multiply z.
     fn by_stiffness(
         &self,
         piece: &[Piece],
@@ -205,7 +209,7 @@ impl Interface {
         Ok((Elimination::Stiffness(Some(Lu::of(coupled)?)), columns))
     }
 
-    /// H of (I − P̃δ)Δs + P̃Δr = d with each point on its first piece, and the columns (m, k) of z.
+    /// H of (I − P̃δ)Δs + P̃Δr = d with every point on its first piece, and the columns (m, k) that multiply z.
     fn by_flexibility(
         &self,
         piece: &[Piece],
@@ -238,7 +242,7 @@ impl Interface {
     }
 }
 
-/// Makes (I + SC)⁻¹S symmetric; elimination leaves a difference of rounding.
+/// Makes (I + SC)⁻¹S in `columns` exactly symmetric. It is symmetric except for rounding.
 fn symmetrize(rows: &[VertexRow], columns: &mut Mat<f64>) {
     let gap = |i: usize| rows.iter().position(|row| row.point == i && row.kind == Kind::Gap);
     let of_point: Vec<Option<usize>> = (0..columns.nrows()).map(gap).collect();

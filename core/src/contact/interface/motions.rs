@@ -1,4 +1,4 @@
-//! Free rigid motions in the LCP. They are imposed exactly, since elimination leaves an error of rounding.
+//! Free rigid motions in the LCP. They are imposed on M and q exactly, since elimination leaves a rounding error.
 //!
 //! Let N be the displacements of the points under the free motions, J the rows whose z is a gap, and O the rows whose z
 //! is a reaction. A motion z_J = N_J changes every gap and no reaction: M_JJ N_J = 0 and M_OJ N_J = N_O. The reactions
@@ -15,8 +15,8 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef};
 
-/// Work of a load in each free rigid motion (`sum`), and the sum of the magnitudes of its terms (`size`). Internal
-/// forces do no work in a free motion.
+/// Work of a load in each free rigid motion (`sum`), and the sum of the magnitudes of the terms of this work (`size`).
+/// Internal forces do no work in a free motion.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     pub sum: Vec<f64>,
@@ -34,26 +34,30 @@ impl Work {
     }
 }
 
-/// Data of the imposed free motions that do not depend on the load.
+/// Data for imposing the free motions that do not depend on the load.
 pub(super) struct FreeMotions {
-    /// `moves` is N_J, `dual` is WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
+    /// `moves` is N_J, the displacements under the free motions at the LCP rows J whose z is a gap. `dual` is
+    /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
     moves: Mat<f64>,
     dual: Mat<f64>,
-    /// Point of each row of J, then of O.
+    /// Contact point of each LCP row whose z is a gap (rows J), then of each row whose z is a reaction (rows O).
     paired: Vec<usize>,
-    /// Work of the reactions at z = w = 0 in each free motion.
+    /// Work, in each free motion, of the reactions that the points have at z = w = 0.
     known: Vec<f64>,
-    /// Σ_c |M_rc| over the columns of J for each row r of J, before the motions are imposed.
+    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free motions are
+    /// imposed.
     held: Vec<f64>,
-    /// Whether M is projected. S keeps the digits of its soft modes better without a projection.
+    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected. If M is the Schur complement S, it is not:
+    /// without projection S keeps more digits of its soft modes.
     projected: bool,
-    /// Pairs of rows for the two ends of one piece: (row, earlier row, length of the piece).
+    /// Each pair of rows for the two ends of one first piece: (row of the upper end, row of the lower end, length of
+    /// the piece).
     mirrored: Vec<(usize, usize, f64)>,
 }
 
 impl Interface {
-    /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ. M_OJ changes by the least
-    /// amount that gives M_OJ N_J = N_O.
+    /// Imposes the free motions on M, with N, J, O as in the module: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ.
+    /// M_OJ gets the least change for which M_OJ N_J = N_O.
     pub(super) fn impose_motions(
         &self,
         points: &Points,
@@ -77,7 +81,7 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // Weighted by δ, so that the correction of a soft point does not exceed its entry.
+        // The weights are δ, so that the correction of an entry at a soft point is not larger than the entry.
         let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
@@ -95,7 +99,7 @@ impl Interface {
         subtract_product(&mut within, dual, across.as_ref());
         let along = &within * n;
         subtract_product(&mut within, &along, dual.transpose());
-        // A diagonal entry that the projection reduces to rounding counts as zero.
+        // If the projection reduces a diagonal entry to rounding, its row and column count as zero.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
@@ -124,7 +128,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Rows of further vertices depend on z of the vertex before them only, and not on x.
+            // Only rows at an end of the first piece depend on x. Rows of further vertices depend on z of the vertex
+            // before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -132,7 +137,7 @@ impl Interface {
         Ok(motions)
     }
 
-    /// Travels (m,) of the points minus the nearest free motion, to which no reaction responds.
+    /// `travel` (m,) of the points minus the nearest free motion in least squares. A free motion causes no reactions.
     pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
         let n = &self.moves;
         if n.ncols() == 0 {
@@ -146,12 +151,13 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Changes q so that the reactions on the first pieces balance the load, and sets entries of rounding to zero.
+    /// Changes q so that the reactions on the first pieces balance the load. Entries that are only rounding become
+    /// zero.
     pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
-    /// Changes the increment of q so that reactions balance the increment of load.
+    /// Changes the increment of q so that the increments of reaction balance the increment of load.
     pub(super) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }
@@ -161,7 +167,7 @@ impl FreeMotions {
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // A distant stop does not change the tolerance at other points.
+            // A point with a large gap does not change the tolerance at other points.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }
@@ -188,7 +194,7 @@ impl FreeMotions {
     }
 }
 
-/// from ← from − left · right, where `right` has few rows.
+/// from ← from − left · right, where `right` has only a few rows.
 fn subtract_product(from: &mut Mat<f64>, left: &Mat<f64>, right: MatRef<'_, f64>) {
     let parallelism = dense::parallelism(from.nrows());
     matmul(from.as_mut(), Accum::Add, left, right, -1.0, parallelism);

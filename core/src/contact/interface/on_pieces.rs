@@ -1,4 +1,4 @@
-//! The condensed equations of a fixed contact state.
+//! The equations of the condensed plate for a fixed contact state.
 
 use super::condensed::{CondensedRhs, Interface};
 use crate::contact::graph::Piece;
@@ -6,29 +6,30 @@ use crate::contact::points::Points;
 use crate::dense::{self, Cholesky, Lu, OutOfMemory};
 use faer::{Mat, MatMut, MatRef};
 
-/// Increments of reaction and travel (m,) of the points.
+/// Increments of reaction and of travel (m,) of the contact points.
 pub(in crate::contact) struct Response {
     pub(in crate::contact) reaction: Vec<f64>,
     pub(in crate::contact) travel: Vec<f64>,
 }
 
-/// Factored equations of a contact state.
+/// The factored condensed equations of a contact state.
 pub(in crate::contact) struct OnPieces {
     piece: Vec<Piece>,
-    /// Points whose column of the equations has more than one entry.
+    /// Points whose column of the equations has more than one entry. Only their equations are factored.
     coupled: Vec<usize>,
     factor: Made,
 }
 
 enum Made {
     Nothing,
-    /// S of the points that are not on rigid pieces, plus the stiffness of their pieces.
+    /// Schur complement S plus the stiffness of the pieces on the diagonal, for the points that are not on rigid
+    /// pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }
 
 impl Interface {
-    /// Factors the equations of a contact state; `None` if they are singular.
+    /// Factors the equations of the contact state `pieces`; `None` if they are singular.
     pub(in crate::contact) fn on_pieces(
         &self,
         points: &Points,
@@ -60,7 +61,7 @@ impl Interface {
         Ok(factor.map(|factor| OnPieces { piece, coupled, factor }))
     }
 
-    /// Increments of reactions and travels of the points.
+    /// Increments of reactions and travels of the points for the right-hand side `right`.
     pub(in crate::contact) fn solve_on(&self, on: &OnPieces, right: &CondensedRhs) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => Ok(solve_by_stiffness(&stiffness.matrix, on, right)),
@@ -68,7 +69,7 @@ impl Interface {
         }
     }
 
-    /// Applies contact displacements and forces to a forward substituted right-hand side.
+    /// Applies the increments of travel and reaction of the points to a forward substituted right-hand side.
     pub(in crate::contact) fn follow(&self, response: &Response, forward: &mut [f64]) -> Result<(), OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => stiffness.prescribe(&response.travel, forward),
@@ -81,20 +82,21 @@ impl Interface {
         Ok(())
     }
 
-    /// Entry of I − P̃δ.
+    /// Entry (i, j) of I − P̃δ, the coefficient of the travel of point j; `p` is P̃.
     pub(super) fn travel_entry(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
         let through = -p[(i, j)] * self.delta[j];
         if i == j { 1.0 + through } else { through }
     }
 
-    /// Entry of (I − P̃δ)c + P̃: the column of a point with compliance c.
+    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j. c is the compliance of point j,
+    /// whose force depends on its travel.
     pub(super) fn holding_entry(&self, p: MatRef<'_, f64>, compliance: f64, i: usize, j: usize) -> f64 {
         let absorbed = self.absorbs(j, compliance);
         let through = if absorbed { 0.0 } else { p[(i, j)] * (1.0 - self.delta[j] * compliance) };
         if i == j { through + compliance } else { through }
     }
 
-    /// Coefficient of point j's unknown (reaction or travel) in the equation of point i.
+    /// Coefficient of the unknown of point j (reaction or travel) in the equation of point i.
     fn column(&self, p: MatRef<'_, f64>, piece: &[Piece], i: usize, j: usize) -> f64 {
         match piece[j].holds() {
             true => self.holding_entry(p, piece[j].compliance(), i, j),

@@ -1,14 +1,14 @@
-//! The Schur complement S of K onto the dofs of the contact rows, each of which selects one dof.
+//! The Schur complement S of K on the contact dofs, for rows of G that each select a single dof.
 
 use super::forward_rows::ForwardRows;
 use crate::dense::{self, OutOfMemory};
 use faer::Mat;
 
 pub(super) struct Schur {
-    /// S (m, m), by point.
+    /// The Schur complement S (m, m); row i and column i belong to contact point i.
     pub(super) matrix: Mat<f64>,
-    /// `leading` is the number of columns before the trailing block L. `rows` holds, for each point, the dof as a
-    /// column of L and the coefficient.
+    /// `leading` is the number of columns of the factor before the trailing block L. `rows` has, for each contact
+    /// point, the column of its dof in L and its coefficient.
     leading: usize,
     trailing: Mat<f64>,
     rows: Vec<(usize, f64)>,
@@ -32,21 +32,22 @@ impl Schur {
         Ok(Self { matrix, leading, trailing, rows })
     }
 
-    /// Forces f̂ = Lz (m,) on the points, with z the last part of a forward substituted right-hand side.
+    /// Forces f̂ = Lz (m,) on the contact points, with z the part of a forward substituted right-hand side in the
+    /// trailing block.
     pub(super) fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
         let last = &forward[self.leading..];
         let on_dof = |i: usize| (0..=i).map(|j| self.trailing[(i, j)] * last[j]).sum::<f64>();
         self.rows.iter().map(|&(dof, coefficient)| on_dof(dof) / coefficient).collect()
     }
 
-    /// Reactions f̂ − S y (m,) of points with displacements y under forces f̂.
+    /// Reactions f̂ − S y (m,) of the points, with f̂ = `force` and the displacements y = `moved`.
     pub(super) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
         let of_motion = |i: usize| (0..moved.len()).map(|j| self.matrix[(i, j)] * moved[j]).sum::<f64>();
         force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
     }
 
-    /// Prescribes displacements of the points in a forward substituted vector: its last part becomes z = Lᵀu, with u
-    /// the displacements of the contact dofs.
+    /// Prescribes the displacements `moved` (m,) of the points in a forward substituted vector. Its part in the
+    /// trailing block becomes z = Lᵀu, with u the displacements of the contact dofs.
     pub(super) fn prescribe(&self, moved: &[f64], forward: &mut [f64]) {
         let size = self.trailing.nrows();
         let mut on_dofs = vec![0.0; size];
@@ -58,7 +59,7 @@ impl Schur {
         }
     }
 
-    /// The rows of G after forward substitution.
+    /// The rows of G after forward substitution with the trailing block.
     pub(super) fn forward_rows(&self) -> Result<ForwardRows, OutOfMemory> {
         let rows: Vec<_> =
             self.rows.iter().map(|&(dof, coefficient)| vec![(self.leading + dof, coefficient)]).collect();

@@ -1,13 +1,14 @@
-//! The vertices of the graphs of contact points. Each vertex is a row of the linear complementarity problem.
+//! The vertices of the graphs of contact points. Each vertex is a row of the linear complementarity problem (LCP).
 
 use crate::contact::graph::Piece;
 use crate::contact::points::Points;
 
-/// The rows of the LCP: the vertices of the graphs of all points, relative to their first pieces.
+/// The rows of the LCP: the vertices of the graphs of all points, seen from the first piece of each point.
 pub struct Vertices {
-    /// Rows (k,): gaps of points that start in contact, reactions of points that start open, then all others.
+    /// The k rows, ordered by their unknown z: gaps of points that start in contact, reactions of points that start
+    /// open, then further vertices.
     pub rows: Vec<VertexRow>,
-    /// The first piece of each point.
+    /// For each point (m,), the number of its first piece, on which the point starts.
     pub(super) base: Vec<u8>,
 }
 
@@ -16,9 +17,9 @@ pub struct Vertices {
 pub struct VertexRow {
     pub point: usize,
     vertex: u8,
-    /// Whether the vertex lies above the first piece.
+    /// Whether the vertex lies above the first piece of its point.
     pub(super) upward: bool,
-    /// The row of the next vertex towards the first piece; `None` at an end of the first piece.
+    /// The row of the next vertex towards the first piece; `None` if the vertex is an end of the first piece.
     pub(super) before: Option<usize>,
     pub(super) kind: Kind,
 }
@@ -26,25 +27,26 @@ pub struct VertexRow {
 /// Kind of the unknown z of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// The gap of a point that starts in contact.
+    /// z is the gap of a point that starts in contact.
     Gap,
-    /// The reaction of a point that starts open.
+    /// z is the reaction of a point that starts open.
     Reaction,
     Other,
 }
 
 impl VertexRow {
-    /// Whether w is a force: on the piece before the vertex, seen from the first piece, the force depends on the travel.
+    /// Whether w of the row is a force: on the piece between the vertex and the first piece, the force depends on the
+    /// travel.
     pub fn w_is_a_force(&self, points: &Points) -> bool {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
 
-    /// Whether the vertex is an end of the first piece.
+    /// Whether the vertex is an end of the first piece of its point.
     pub(super) fn is_next(&self) -> bool {
         self.before.is_none()
     }
 
-    /// Whether z is a gap.
+    /// Whether the unknown z of the row is a gap.
     pub fn gap_is_z(&self) -> bool {
         self.kind == Kind::Gap
     }
@@ -55,7 +57,7 @@ impl VertexRow {
 }
 
 impl Vertices {
-    /// The pieces (m,) of the contact state for a basis (k,), which is true where z is basic.
+    /// The contact state (pieces, (m,)) for a basis (k,), which is true where z is basic.
     pub fn pieces(&self, basis: &[bool]) -> Vec<u8> {
         let mut pieces = self.base.clone();
         for (row, _) in self.rows.iter().zip(basis).filter(|(_, basic)| **basic) {
@@ -68,7 +70,7 @@ impl Vertices {
         pieces
     }
 
-    /// The basis (k,) for the pieces (m,) of a contact state.
+    /// The basis (k,), true where z is basic, for a contact state `pieces` (m,).
     pub fn basis(&self, pieces: &[u8]) -> Vec<bool> {
         let passed = |row: &VertexRow| {
             if row.upward { pieces[row.point] > row.vertex } else { pieces[row.point] <= row.vertex }
@@ -76,17 +78,17 @@ impl Vertices {
         self.rows.iter().map(passed).collect()
     }
 
-    /// Number of rows whose z is a gap; they come first.
+    /// Number of rows whose z is a gap; these are the first rows.
     pub(super) fn gaps(&self) -> usize {
         self.rows.iter().filter(|row| row.kind == Kind::Gap).count()
     }
 
-    /// Number of rows whose z is a gap or a reaction; rows of further vertices follow.
+    /// Number of rows whose z is a gap or a reaction; the rows of further vertices follow.
     pub(super) fn paired(&self) -> usize {
         self.rows.iter().filter(|row| row.kind != Kind::Other).count()
     }
 
-    /// Force (m,) of each point at z = 0 and w = 0.
+    /// Force (m,) of each point on its first piece at z = 0 and w = 0.
     pub(super) fn reference_forces(&self, points: &Points) -> Vec<f64> {
         let force = |i: usize| match (points.is_straight(i), points.piece(i, self.base[i]).holds()) {
             (false, true) => points.ends(i, self.base[i])[0].map_or(0.0, |end| end[1]),
@@ -96,8 +98,8 @@ impl Vertices {
         (0..points.len()).map(force).collect()
     }
 
-    /// Pairs of rows for first pieces between two horizontal pieces: (row of the upper end, row of the lower end,
-    /// length of the piece in force).
+    /// For each first piece between two horizontal pieces: (row of the upper end, row of the lower end, length of the
+    /// piece in force).
     pub(super) fn mirrored(&self, points: &Points) -> Vec<(usize, usize, f64)> {
         let upper = self.rows.iter().enumerate().filter(|(_, row)| {
             let flat = row.upward && !points.piece(row.point, row.vertex + 1).holds();
@@ -152,15 +154,16 @@ impl Vertices {
     }
 }
 
-/// Change of [travel, force] of a point per unit of z along the next piece. z is a force where the force depends on the
-/// travel.
+/// Change of [travel, force] of a point along the next piece, per unit of z. z is a force if the force depends on the
+/// travel on that piece, otherwise a travel.
 pub(super) fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };
     if next.holds() { [sign * next.compliance(), sign] } else { [sign, 0.0] }
 }
 
-/// Length of the piece between a vertex and the vertex before it, in the unit of its z; 0 at an end of the first piece.
+/// Length of the piece between the vertex of a row and the vertex before it, as a force or travel like w; 0 if the
+/// vertex is an end of the first piece.
 pub(super) fn end_length(points: &Points, row: &VertexRow) -> f64 {
     if row.before.is_none() {
         return 0.0;

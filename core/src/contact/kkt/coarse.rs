@@ -1,4 +1,4 @@
-//! Rigid motions of plates without held dofs, for a fixed contact state and for a load.
+//! Rigid motions of plates without held dofs: projected equations for a fixed contact state, and resultants of a load.
 
 use super::solver::Correction;
 use crate::contact::problem::ContactProblem;
@@ -7,20 +7,20 @@ use crate::contact::rigid::{Matrix, eliminated};
 use crate::contact::rigid_body_space::RigidBodySpace;
 use crate::double_double::DoubleDouble;
 
-/// Solver of the projected equations RᵀGᵀkGR a = RᵀF of a contact state.
+/// Solver of the projected equations RᵀGᵀkGR a = RᵀF of a contact state, for the amounts a of the rigid motions R.
 pub(super) struct CoarseSolver<'a> {
     rigid_space: &'a RigidBodySpace,
-    /// Compliance (m,) of the points whose force depends on the travel; `None` at other points and at rigid points.
+    /// Compliance 1/k (m,) of the points whose force depends on the travel; `None` at other points and at rigid points.
     compliance: Vec<Option<f64>>,
     matrix: Matrix,
 }
 
 impl<'a> CoarseSolver<'a> {
-    /// Makes the solver from the compliance (m,) of the points whose force depends on the travel. `None` if every plate
-    /// has a held dof, or if springs and points are as stiff as the plate.
+    /// Makes the solver from the compliance (m,) of the points whose force depends on the travel. Returns `None` if
+    /// every plate has a held dof, or if springs and points are as stiff as the plate.
     pub(super) fn by(problem: &'a ContactProblem, mut compliance: Vec<Option<f64>>) -> Option<Self> {
         let rigid_space = problem.rigid_space.as_ref()?;
-        // Rigid points are constraints in the equations of the points.
+        // Rigid points are left out, since their equations are constraints of the contact state.
         compliance.iter_mut().for_each(|own| *own = own.filter(|&c| c > 0.0));
         let matrix =
             rigid_space.projected_stiffness(|i| compliance[i].map_or(0.0, |c| 1.0 / c), &problem.springs.stiffness);
@@ -28,7 +28,8 @@ impl<'a> CoarseSolver<'a> {
         (softest < problem.scale.stiffness).then_some(Self { rigid_space, compliance, matrix })
     }
 
-    /// The rigid motions whose spring forces balance the resultants of a residual, with the increments of reaction.
+    /// The rigid motions for which the forces of springs and points balance the resultants of a residual, and the
+    /// increments of reaction.
     pub(super) fn response(&self, right: &Residual) -> Correction {
         let Self { rigid_space, compliance, matrix } = self;
         let mut forces = rigid_space.resultants(&right.imbalance);
@@ -48,7 +49,7 @@ impl<'a> CoarseSolver<'a> {
     }
 }
 
-/// Resultants of a load on plates without held dofs, and the sum of the magnitudes of their terms.
+/// Resultants of a load on plates without held dofs, and the sum of the magnitudes of the terms of these resultants.
 pub(in crate::contact) struct CoarseLoad<'a> {
     pub(in crate::contact) rigid_space: &'a RigidBodySpace,
     pub(in crate::contact) load: Vec<DoubleDouble>,
@@ -56,7 +57,8 @@ pub(in crate::contact) struct CoarseLoad<'a> {
 }
 
 impl<'a> CoarseLoad<'a> {
-    /// Computes the resultants; `None` if every plate has a held dof, or a point has a linear law.
+    /// Computes the resultants of `load` (3n,). Returns `None` if every plate has a held dof, or if a point has a
+    /// linear law.
     pub(in crate::contact) fn under(problem: &'a ContactProblem, load: &[f64]) -> Option<Self> {
         let rigid_space = problem.rigid_space.as_ref().filter(|_| !problem.points.has_straight())?;
         let terms = rigid_space.nodal.iter().flat_map(|motion| motion.iter().zip(load).map(|(u, f)| (u * f).abs()));

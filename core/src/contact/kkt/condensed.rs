@@ -1,4 +1,4 @@
-//! The condensed backend: a solve takes one forward and one backward substitution.
+//! Solver of a fixed contact state on the condensed plate: each solve takes one forward and one backward substitution.
 
 use super::coarse::CoarseSolver;
 use super::solver::{Correction, Kkt};
@@ -7,14 +7,14 @@ use crate::contact::interface::{Interface, OnPieces, ReducedLoad};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 
-/// The condensed equations of a contact state.
+/// The condensed equations of one contact state.
 pub(in crate::contact) struct Condensed<'a> {
     problem: &'a ContactProblem,
     interface: &'a Interface,
     on: Option<OnPieces>,
-    /// Solver of rigid motions, for plates that springs alone hold.
+    /// Solver for the rigid motions of plates that only springs hold; `None` if there are contact points.
     coarse: Option<CoarseSolver<'a>>,
-    /// The next residual after condensation, if known.
+    /// The condensed residual for the next solve; `None` if it must be computed.
     pub(in crate::contact) reduced: Option<ReducedLoad>,
 }
 

@@ -1,6 +1,6 @@
-//! Solution with springs, whose compliance includes the augmentation compliance σ, at the points: the penalised method,
-//! with the forces of points eliminated, and the saddle-point method, with these forces as unknowns. The method of
-//! multipliers removes the effect of σ on rigid points (Rockafellar 1976).
+//! Solver of a fixed contact state on a factor with a spring at each point; the spring's compliance includes the
+//! augmentation compliance σ. The penalised method eliminates the forces of the points; the saddle-point method has
+//! these forces as unknowns. The method of multipliers removes the effect of σ on rigid points (Rockafellar 1976).
 
 use super::batched_factor::alone;
 use super::coarse::CoarseSolver;
@@ -50,7 +50,7 @@ impl Kkt for Factored<'_> {
     }
 
     fn is_settled(&self, right: &Residual, force: f64) -> bool {
-        // Only the points with σ > 0 count: the stiffness of the other points is exact.
+        // Only points with σ > 0 count, since the stiffness of all other points is exact.
         let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
         let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
         pushes.all(|push| push <= tolerances::newton::SETTLED * force)

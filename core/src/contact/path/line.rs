@@ -1,20 +1,20 @@
-//! A segment of the path: the plate on a fixed contact state, linear in t.
+//! A segment of the path: solutions on a fixed contact state, which are linear in the load factor t.
 
 use crate::contact::points::Points;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// The plate on a fixed contact state at the loads of two t, `at`; its solution is linear in t.
+/// Solutions `ends` on a fixed contact state at the two load factors `at`. Between them the solution is linear in t.
 pub(super) struct Line<'a> {
     pub points: &'a Points,
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
     pub scales: Scales,
-    /// Reference deflection: the largest one at both ends.
+    /// Reference deflection of the line: the largest deflection in both solutions.
     pub deflection: f64,
 }
 
-/// Reference force and travel of each point (m,).
+/// Reference force (m,) and reference travel (m,) of each contact point.
 #[derive(Clone)]
 pub(super) struct Scales {
     pub force: Vec<f64>,
@@ -22,13 +22,14 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// Reference size for the distance of point i from an end of its piece.
+    /// Reference size for the distance of point i from an end of its piece: a force if the force depends on the travel
+    /// on this piece, otherwise a travel.
     pub fn of(&self, points: &Points, i: usize, piece: u8) -> f64 {
         if points.piece(i, piece).holds() { self.force[i] } else { self.travel[i] }
     }
 }
 
-/// An end of the present piece of a point.
+/// The lower or upper end of the piece of the law on which a contact point is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Breakpoint {
     pub point: usize,
@@ -36,13 +37,13 @@ pub(super) struct Breakpoint {
 }
 
 impl Breakpoint {
-    /// The piece beyond this end.
+    /// Number of the piece beyond this end; `pieces` is the contact state.
     pub fn beyond(self, pieces: &[u8]) -> u8 {
         if self.is_upper { pieces[self.point] + 1 } else { pieces[self.point] - 1 }
     }
 }
 
-/// The ends of the present pieces of all points.
+/// The lower and upper ends of the present pieces of all points, without ends at infinity.
 pub(super) fn breakpoints(points: &Points, pieces: &[u8]) -> Vec<Breakpoint> {
     let of = |point: usize| {
         let [low, high] = points.ends(point, pieces[point]);
@@ -52,7 +53,7 @@ pub(super) fn breakpoints(points: &Points, pieces: &[u8]) -> Vec<Breakpoint> {
     (0..points.len()).flat_map(of).flatten().collect()
 }
 
-/// Largest change of deflection between two solutions.
+/// Largest change of the deflection of a node between two solutions.
 pub(super) fn travel(a: &ContactSolution, b: &ContactSolution) -> f64 {
     let change = |i: usize| (b.displacement.at(i) - a.displacement.at(i)).value().abs();
     (0..a.displacement.hi.len()).step_by(3).map(change).fold(0.0, f64::max)
@@ -67,7 +68,7 @@ impl Line<'_> {
         breakpoints(self.points, self.pieces())
     }
 
-    /// Scaled distance of a point from an end of its piece, at end 0 or 1 of the line.
+    /// Distance of a point from an end of its piece, divided by the reference size, in solution 0 or 1 of the line.
     pub fn value(&self, end: usize, Breakpoint { point: i, is_upper }: Breakpoint) -> f64 {
         let state = self.ends[end].state(i);
         let inside = self.points.signed_distance(i, state, is_upper).expect("an end");
@@ -75,19 +76,20 @@ impl Line<'_> {
         if size > 0.0 { inside / size } else { 0.0 }
     }
 
-    /// Decrease over the line of the scaled distance of a point from an end of its piece; 0 if it is rounding.
+    /// Decrease, from solution 0 to solution 1 of the line, of the scaled distance of a point from an end of its piece.
+    /// It is 0 if the decrease is rounding.
     pub fn fall(&self, breakpoint: Breakpoint) -> f64 {
         let fall = self.value(0, breakpoint) - self.value(1, breakpoint);
         if fall.abs() > tolerances::path::STILL { fall } else { 0.0 }
     }
 
-    /// Largest change of deflection between two t.
+    /// Largest change of the deflection of a node between two values of t.
     pub fn travel(&self, from: f64, to: f64) -> f64 {
         let [a, b] = &self.ends;
         travel(a, b) * (to - from) / (self.at[1] - self.at[0])
     }
 
-    /// Whether all points are within the bounds of their pieces between two t.
+    /// Whether all points are within the bounds of their pieces at the values `from` and `to` of t.
     pub fn signs_are_feasible(&self, from: f64, to: f64) -> bool {
         let parts = [self.part(from), self.part(to)];
         self.breakpoints().into_iter().all(|breakpoint| {
@@ -115,8 +117,8 @@ impl Line<'_> {
         self.breakpoints().into_iter().filter(leaves).collect()
     }
 
-    /// The t at which points reach the ends `crossed`; `None` if it differs from `seen`, the t from pivoting, by
-    /// `within` or more.
+    /// The t at which points reach the ends `crossed` of their pieces. `None` unless this t differs by less than
+    /// `within` from `seen`, the t from pivoting.
     pub fn root(&self, crossed: &[Breakpoint], seen: f64, within: f64) -> Option<f64> {
         let span = self.at[1] - self.at[0];
         let falling = crossed.iter().copied().filter(|&breakpoint| self.fall(breakpoint) > 0.0);

@@ -1,12 +1,12 @@
-//! The path of a plate under the load f₀ + t f₁ for growing t ≥ 0. It is piecewise linear, with an event wherever
+//! The path of solutions under the load f₀ + t f₁ for growing t ≥ 0. It is piecewise linear, with an event wherever
 //! points change their piece.
 //!
-//! Condensed points: parametric pivoting of their LCP. Newton method: from event to event. On one contact state
-//! everything is linear in t, and the next event is the first t at which a point reaches an end of its piece. Each
-//! segment is interpolated between two refined solutions.
+//! For condensed points the path is traced by parametric pivoting of their LCP, for the Newton method from event to
+//! event. On one contact state everything is linear in t, and the next event is the first t at which a point reaches an
+//! end of its piece. Each segment is interpolated between two refined solutions.
 //!
-//! When a plate loses a support and moves to other points, it moves at constant load: the path has a segment at one t,
-//! a jump. All states between the ends of the jump solve the problem too, since the solution set is convex.
+//! If a plate loses a support and moves to other points, it moves at constant load: the path has a segment at one t, a
+//! jump. All states between the ends of the jump are solutions too, since the solution set is convex.
 
 mod line;
 mod load;

@@ -12,11 +12,12 @@ use crate::contact::solution::Progress;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
-/// The bases of the LCP along a path, and the contact state of each basis.
+/// Segments of a path with the basis of the LCP on each, and the contact state of each basis.
 type Pivoted = (ParametricPath, Vec<Vec<u8>>);
 
 impl PathTracer<'_> {
-    /// Traces the path from the solution at t = 0. If rounding stops the pivoting, continues from event to event.
+    /// Traces the path from the solution at t = 0. If rounding stops the pivoting, the path is traced on from event to
+    /// event.
     pub(super) fn pivot_along(
         &mut self,
         interface: &Interface,
@@ -33,7 +34,7 @@ impl PathTracer<'_> {
                 far if far.is_finite() => far,
                 _ => segment.from + self.span(segment.from),
             };
-            // Changes over a short line are rounding, so the line is at least `SHORT` steps long.
+            // On a short line all changes would be rounding, so a line is at least `SHORT` times a step (`span`) long.
             let (span, reach) = (self.span(t), |from: f64| far.max(from + tolerances::path::SHORT * self.span(from)));
             let line = match self.standing_on(recorder.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
@@ -49,7 +50,7 @@ impl PathTracer<'_> {
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
-            // A change of basis due to rounding is not an event: no point approaches the end of its piece.
+            // If no point approaches the end of its piece, the basis changed by rounding, which is no event.
             let real = |line: &Line<'_>| {
                 next.is_none_or(|next| line.crossed(next).into_iter().any(|breakpoint| line.fall(breakpoint) > 0.0))
             };
@@ -70,13 +71,13 @@ impl PathTracer<'_> {
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
-    /// The bases of the LCP along the path, and the contact state of each basis.
+    /// Pivots the LCP along the path. Returns its segments with their bases, and the contact state of each basis.
     fn pivoted(&mut self, interface: &Interface, pieces: &[u8]) -> Result<Pivoted, SolveError> {
         let (problem, load) = (self.problem, self.load);
         let form = interface.better_form();
         let rest = problem.at_rest(load.held_value);
         let first = posed_from(problem, interface, load.start, form, &rest)?;
-        // The residual of the added load only: without gaps and prescribed values.
+        // Residual of the added load f₁ alone, without gaps and prescribed values.
         let mut imbalance = load.add.to_vec();
         problem.release_held(&mut imbalance);
         let added = Residual { imbalance, violation: vec![0.0; pieces.len()], worst: 0.0 };

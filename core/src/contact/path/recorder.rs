@@ -1,17 +1,17 @@
-//! Reports the stops of a path.
+//! Reports the stops of a path to a callback.
 
 use super::line::{Line, Scales};
 use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
-/// The solution at the end of the last line, and reference sizes of that line.
+/// The solution at the end of the last line, and the reference sizes of the line.
 struct Arrival {
     solution: ContactSolution,
     scales: Scales,
 }
 
-/// Reports every stop to the callback `visit`.
+/// Reports every stop of a path to the callback `visit`.
 pub(super) struct PathRecorder<'a> {
     visit: &'a mut dyn FnMut(Stop) -> bool,
     arrived: Arrival,
@@ -19,38 +19,39 @@ pub(super) struct PathRecorder<'a> {
 }
 
 impl<'a> PathRecorder<'a> {
-    /// Starts with the solution at t = 0.
+    /// Makes a recorder with `first`, the solution at t = 0, as stored solution.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
         let none = vec![0.0; first.gap.len()];
         let scales = Scales { force: none.clone(), travel: none };
         Self { visit, arrived: Arrival { solution: first, scales }, begun: false }
     }
 
-    /// The solution at the end of the last line.
+    /// The stored solution: that at the end of the last line (segment) of the path.
     pub fn here(&self) -> &ContactSolution {
         &self.arrived.solution
     }
 
-    /// Stores the solution at t, the end of a line.
+    /// Stores the solution at t, where the line `line` ends.
     pub fn arrive(&mut self, line: &Line<'_>, t: f64) {
         self.arrived = Arrival { solution: line.at(t), scales: line.scales.clone() };
     }
 
     /// Reports the stop at the start of a line: the start of the path, an event, or both ends of a jump. Returns false
-    /// if cancelled.
+    /// if the callback cancels the path.
     pub fn emit(&mut self, t: f64, line: &Line<'_>) -> bool {
         let here = &self.arrived.solution;
         let begin = line.at(t);
         let between = self.arrived.jump_to(&begin, line);
         if !self.begun {
             self.begun = true;
-            // A plate without contact has no unique position; the path starts at the line.
+            // Without contact the position of the plate is not unique; the path then starts with the solution on its
+            // first line.
             let begin = if between.is_some() { begin } else { ContactSolution { piece: begin.piece, ..here.clone() } };
             return (self.visit)(Stop { t, switched: &[], solution: &begin });
         }
         let Some(between) = between else {
             let switched = differing(&here.piece, &begin.piece);
-            // An event without a change of piece is not reported.
+            // If no point changes its piece, the event is not reported.
             return switched.is_empty() || (self.visit)(Stop { t, switched: &switched, solution: &begin });
         };
         let start = ContactSolution { piece: between.clone(), ..here.clone() };
@@ -58,7 +59,8 @@ impl<'a> PathRecorder<'a> {
             && (self.visit)(Stop { t, switched: &differing(&between, &begin.piece), solution: &begin })
     }
 
-    /// Reports the last stop: `solution` if given, otherwise the stored one.
+    /// Reports the last stop, with `solution`, or with the stored solution if that is `None`. Returns how the path
+    /// ended.
     pub fn end(&mut self, t: f64, solution: Option<&ContactSolution>, end: PathEnd) -> PathEnd {
         let solution = solution.unwrap_or(&self.arrived.solution);
         if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
@@ -66,7 +68,8 @@ impl<'a> PathRecorder<'a> {
 }
 
 impl Arrival {
-    /// The contact state during a jump from the stored solution to the start of a line; `None` if both coincide.
+    /// The contact state during a jump from the stored solution to `begin`, the start of a line; `None` if both
+    /// solutions coincide.
     fn jump_to(&self, begin: &ContactSolution, line: &Line<'_>) -> Option<Vec<u8>> {
         let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
         let here = &self.solution;
@@ -76,7 +79,7 @@ impl Arrival {
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.piece, &begin.piece).iter().any(jumps).then(|| {
             let stays = |i: usize| here.piece[i] == begin.piece[i];
-            // During the jump a point is on the piece that contains both states.
+            // During the jump a point is on a piece that contains its states before and after the jump.
             let is_on = |i: usize| {
                 let piece = line.points.piece(i, here.piece[i]);
                 if piece.holds() {

@@ -1,4 +1,4 @@
-//! Path tracing from event to event, with a solver of fixed contact states.
+//! Traces a path from event to event, with a solver of fixed contact states.
 
 use super::line::{Breakpoint, Line};
 use super::load::{MOST_EVENTS, PathEnd};
@@ -8,24 +8,25 @@ use crate::contact::error::SolveError;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// Largest number of exchanges of pieces after an event; each exchanges the points that leave their pieces.
+/// Largest number of trials for the contact state after an event. In each trial the points that leave their pieces
+/// change to the adjacent piece.
 const ROUNDS: usize = 20;
 
-/// Largest number of times that a line without events is lengthened.
+/// Largest number of times that a line without events is made longer.
 const LENGTHENED: usize = 2;
 
 impl<'a> PathTracer<'a> {
-    /// Traces the path from t on.
+    /// Traces the path from t on, from event to event.
     pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, SolveError> {
         let load = self.load;
         let mut pieces = recorder.here().piece.clone();
-        // Contact states of the lines since t last advanced.
+        // Contact states of all lines since t last increased.
         let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             };
-            // A repeated contact state is a cycle: rounding alone decides which points close.
+            // If a contact state occurs again at the same t, rounding alone decides which points close.
             if spent.contains(&line.ends[0].piece) {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             }
@@ -42,7 +43,7 @@ impl<'a> PathTracer<'a> {
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // Extrapolation beyond the end of a line is less exact than interpolation.
+                // The line is made longer, since extrapolation beyond its end is less exact than interpolation.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
                     (to, breakpoints) = self.next_event(&line, t);
@@ -67,10 +68,10 @@ impl<'a> PathTracer<'a> {
         Ok(PathEnd::TooMany)
     }
 
-    /// Lengthens a line without events until the added load moves the plate by a considerable part of the largest gap.
-    /// Returns the line on which an event appears, otherwise `None`.
+    /// Makes a line without events longer until the added load moves the plate by a considerable part of the largest
+    /// gap. Returns the longer line on which an event appears, or `None` if no event appears.
     ///
-    /// Under little load, or far from a support, the first step may be too short to detect that a gap closes.
+    /// If the load is small, or supports are far away, the first step may be too short to detect a gap that closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
         let [t, mut far] = line.at;
         let gap = line.scales.travel.iter().fold(0.0, |most, &length| f64::max(most, length));
@@ -89,8 +90,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The line that starts at t; `pieces` is the first trial of its contact state. `None` if no contact state is
-    /// found.
+    /// The line that starts at t. The first trial for its contact state is `pieces`. Returns `None` if no contact state
+    /// is found.
     fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, SolveError> {
         let span = self.span(t);
         let mut set = pieces.to_vec();
@@ -122,8 +123,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The ends of pieces that points pass directly after the start of the line; `None` if some point is out of bounds
-    /// there.
+    /// The ends of pieces that points pass directly after the start of the line. `None` if a point is beyond the bounds
+    /// of its piece at the start.
     fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
         for breakpoint in line.breakpoints() {
@@ -138,7 +139,8 @@ impl<'a> PathTracer<'a> {
         Some(wrong)
     }
 
-    /// The next t at which points reach ends of their pieces (infinite without an event), and these ends.
+    /// The smallest t ≥ `from` at which points reach ends of their pieces, and these ends. t is infinite if there is no
+    /// event.
     fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
         let roots: Vec<(f64, Breakpoint)> = line

@@ -1,4 +1,4 @@
-//! The path tracer: it solves on one line after another and calls the callbacks.
+//! The path tracer: it computes one line of the path after another and calls the callbacks.
 
 use super::line::{Line, Scales, travel};
 use super::load::{PathEnd, PathLoad, Stop};
@@ -15,11 +15,11 @@ use crate::contact::solution::{ContactSolution, Progress, Watch, differing};
 use crate::contact::solve::Settings;
 use crate::contact::tolerances;
 
-/// The path tracer of one load.
+/// The path tracer for one load.
 pub(super) struct PathTracer<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
-    /// Solver of fixed contact states; it keeps its last factor.
+    /// Solver of fixed contact states, which keeps its last factor.
     kkt: Box<dyn Kkt + 'a>,
     watch: &'a mut Watch<'a>,
     /// Whether the callback cancelled the path.
@@ -28,13 +28,14 @@ pub(super) struct PathTracer<'a> {
 }
 
 impl<'a> PathTracer<'a> {
-    /// Calls the callback; returns false if cancelled.
+    /// Calls the callback `watch`; returns false if `watch` has cancelled the path.
     pub fn goes_on(&mut self, now: Progress) -> bool {
         self.interrupted = self.interrupted || !(self.watch)(now);
         !self.interrupted
     }
 
-    /// The solution at t, starting from a solution `near` it if given; `None` if there is no solution.
+    /// The solution at the load factor t, or `None` without a solution. The solve starts from the solution `near`, if
+    /// present.
     pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<Option<ContactSolution>, SolveError> {
         some(self.solved(t, near))
     }
@@ -45,8 +46,8 @@ impl<'a> PathTracer<'a> {
         problem.solve(&load, &Settings::default(), near, &mut |now| self.goes_on(now))
     }
 
-    /// The line through the solutions on the contact state `pieces` at two t; `None` if the state leaves a rigid motion
-    /// free.
+    /// The line through the solutions on the contact state `pieces` at two values of t. `None` if the contact state
+    /// leaves a rigid motion free.
     pub fn line(
         &mut self,
         pieces: &[u8],
@@ -59,11 +60,12 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// The line from the solution `from` at the first of two t, on its contact state.
+    /// The line through `from`, the solution at the first of two values of t, on the contact state of `from`.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, SolveError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
-        // Lower bounds, for a load that hardly acts on the points and for a plate that cannot deflect.
+        // Reference sizes have lower bounds, for a load that causes hardly any reactions and for a plate that hardly
+        // deflects.
         let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
@@ -79,7 +81,8 @@ impl<'a> PathTracer<'a> {
         Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
-    /// The same solution with other `pieces`; `None` unless the changed points are at the common end of both pieces.
+    /// The same displacements with the contact state `pieces`. `None` unless every changed point is at the common end
+    /// of its old and its new piece.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
@@ -102,13 +105,13 @@ impl<'a> PathTracer<'a> {
         Some(same)
     }
 
-    /// Largest force of f₀ plus span(t) times the largest force of f₁.
+    /// Reference force of the load at t: the largest nodal force of f₀ plus span(t) times that of f₁.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
     }
 
-    /// A step of t that changes the load by about its size; 1 if the load is zero.
+    /// A step of t that changes the load by about its own size; 1 if the load is zero.
     pub fn span(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         let there = start / add;
@@ -121,13 +124,13 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Unit of t for a path that starts without load, as a power of two: the plate moves by about its least gap. It is
-    /// 1 if this t is not far below 1.
+    /// Unit of t for a path that starts without load: a power of two at which the plate moves by about its least gap.
+    /// The unit is 1 if this power is not far below 1.
     fn unit(&mut self, rest: &ContactSolution) -> Result<f64, SolveError> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // Points in contact have gaps of rounding when bases of springs or held dofs have moved.
+        // If bases of springs or held dofs have moved, points in contact have gaps that are only rounding.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
@@ -137,7 +140,7 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // Where a plate has a free motion, the first motion does not scale with the load, but its bending does.
+            // If a plate has a free rigid motion, its first motion is not proportional to the load, but its bending is.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
@@ -148,13 +151,14 @@ impl<'a> PathTracer<'a> {
         Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
-    /// Largest force of f₀ and of f₁.
+    /// Largest nodal force of f₀, and of f₁; a couple counts as couple/arm.
     fn parts(&self) -> [f64; 2] {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
     /// Reference sizes of the points. The reference force is `force`, or for a soft spring its reference travel divided
-    /// by its compliance. Travel and reaction then have equal weight at a change of piece.
+    /// by its compliance, if that is smaller. Travel and reaction then have equal weight where a point changes its
+    /// piece.
     fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
         let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
@@ -163,7 +167,7 @@ impl<'a> PathTracer<'a> {
         Scales { force: travel.iter().enumerate().map(of).collect(), travel }
     }
 
-    /// The solution on a contact state at end 0 or 1 of a line.
+    /// The solution on the contact state `pieces` at the load factor `at[end]`; `end` is 0 or 1.
     fn solution_on(
         &mut self,
         pieces: &[u8],
@@ -183,7 +187,7 @@ impl<'a> PathTracer<'a> {
         some(solve_on(problem, &mut **kkt, &load, pieces, start, least))
     }
 
-    /// Ends the path on its last line: at the requested t if it is finite, otherwise at `far`.
+    /// Ends the path on its last line, at the requested largest t if this is finite, otherwise at t = `far`.
     pub fn end_on(&self, line: &Line<'_>, far: f64, recorder: &mut PathRecorder) -> PathEnd {
         let (last, end) = match self.load.end.is_finite() {
             true => (self.load.end, PathEnd::Reached),
@@ -194,10 +198,10 @@ impl<'a> PathTracer<'a> {
 }
 
 impl ContactProblem {
-    /// Traces the path and calls `visit` at every stop; the path ends if it returns false. `watch` is called at every
-    /// step of a solve and may cancel.
+    /// Traces the path and calls `visit` at every stop; if `visit` returns false, the path ends. `watch` is called at
+    /// every step of a solve and may cancel.
     ///
-    /// The first stop is the solution at t = 0; without one, `visit` is not called.
+    /// The first stop is the solution at t = 0. Without a solution there, `visit` is not called.
     pub fn path(
         &self,
         load: &PathLoad,
@@ -226,7 +230,7 @@ impl ContactProblem {
     }
 }
 
-/// The solution; `None` if the solve found no solution or was cancelled.
+/// The solution, or `None` if the solve found none or was cancelled. Other errors are returned.
 fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
     match solved {
         Ok(solution) => Ok(Some(solution)),

@@ -1,4 +1,4 @@
-"""Solve many combinations with one factorization, pass on their rows in batches, and accumulate envelopes."""
+"""Solve many combinations with one factorization, as rows of a table, and extend envelopes by these rows."""
 
 from signorini.analysis.combinations.combined import Combined, Sink, Ways, combine
 

@@ -1,6 +1,7 @@
-"""Solve many combinations with one factorization, pass on their rows in batches ("blocks"), and accumulate envelopes.
+"""Solve many combinations with one factorization, as rows of a table, and extend envelopes by these rows.
 
-Memory does not grow with the number of combinations.
+Combinations are solved in blocks of consecutive rows; each block is passed on and not stored. Memory does not grow with
+the number of combinations.
 """
 
 from __future__ import annotations
@@ -30,17 +31,17 @@ from signorini.results.rows import Block, Column, Hidden, Layout, PlateLayout, t
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
-"""Largest number of combinations in one block, and of numbers in its columns."""
+"""Largest number of combinations in one block, and largest number of values in its columns."""
 _DEFLECTIONS = 500_000
-"""Largest number of nodal deflections that are in memory at once (4 MB), while contact areas are found."""
+"""Largest number of nodal deflections in memory at once (4 MB) while contact areas are computed."""
 _FEW_POINTS = 100
 _MOST_POINTS = 500
-"""Numbers of contact points: up to the first, responses of all points are always computed; above the second, never, as
-they would take too much memory.
+"""Limits for the number of contact points. Up to the first limit, responses of all points are always computed; above
+the second limit never, since they would need too much memory.
 """
 _BALANCED = 1e-10
-"""Largest relative balance error of a sum. Above it the combination is solved by itself, after the check of
-equilibrium.
+"""Largest relative balance error of a sum of responses. With a larger error the combination is solved by itself, after
+the check of equilibrium.
 """
 _EXPLAINED = 100
 """Largest number of combinations without equilibrium for which the reason is stored."""
@@ -53,8 +54,8 @@ Sink = Callable[[Iterable[tuple[str, Column]]], None]
 class Ways(NamedTuple):
     """Solvers of the combinations that have the same bolt preloads.
 
-    ``single`` solves one combination by itself. ``several`` solves many with the active set, and calls the function
-    that it is given for each combination whose equilibrium or answer is uncertain. If ``several`` is None, ``single``
+    ``single`` solves one combination by itself. ``several`` solves many combinations with the active set. Its second
+    argument is called for each combination whose equilibrium or answer is uncertain. If ``several`` is None, ``single``
     solves every combination.
     """
 
@@ -65,26 +66,26 @@ class Ways(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Combined(Brief):
-    """Results of all combinations: rows of the table, envelopes, counts, and the largest certificate errors."""
+    """Results of all combinations: rows of the table, envelopes, numbers of combinations, largest errors."""
 
     combinations: Combinations
     layout: Layout
     envelope: Envelope
     """Envelope of all combinations with an equilibrium."""
     groups: Mapping[str, Envelope]
-    """Envelope of the combinations with an equilibrium in each named group."""
+    """Envelope of the combinations with an equilibrium, by name of their group."""
     solved: int
     """Number of combinations with an equilibrium."""
     alone: int
-    """Number of combinations solved by themselves, since the sum of responses was not certified."""
+    """Number of combinations solved by themselves, since no sum of responses was certified."""
     not_unique: int
-    """Number of combinations whose reactions are not unique; the table has the least-norm ones."""
+    """Number of combinations whose reactions are not unique; the table has their least-norm reactions."""
     certificate: Mapping[str, float]
     """Largest error over all combinations, by the name of the error in a certificate."""
     unbalanced: Mapping[str, str]
     """Reasons why combinations have no equilibrium, by name of the combination, for the first 100."""
     rows: Mapping[str, Column] | None
-    """Columns of the table; None if they are too many numbers to be stored."""
+    """Columns of the table; None if they have too many values to be stored."""
 
     def over(self, group: str) -> Envelope:
         """Return the envelope of a group; for ``group=""`` that of all combinations."""
@@ -92,7 +93,7 @@ class Combined(Brief):
 
     @property
     def governing(self) -> list[int]:
-        """Row numbers of the combinations that have an extreme, group by group if there are groups."""
+        """Row numbers of the combinations that have an extreme: group by group, or over all if there are no groups."""
         envelopes = self.groups.values() or (self.envelope,)
         return list(dict.fromkeys(row for envelope in envelopes for row in envelope.rows))
 
@@ -153,7 +154,7 @@ def combine(
 
 
 def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
-    """Return the envelope of several envelopes."""
+    """Return one envelope that contains the results of all ``envelopes``."""
     result = Envelope.none(layout, mesh)
     for one in envelopes:
         result.meet(one)
@@ -167,11 +168,9 @@ class _Run:
         self.problem, self.single, self.several = ways
         self.layout, discretisation = layout, self.problem.discretisation
         self.terms: Terms | None = None
-        # Where dependent rigid rows hold the same nodes, the distribution of their forces is not unique in any
-        # combination.
+        # If dependent rigid rows hold the same nodes, the distribution of their forces is never unique.
         self._always = "reactions" if discretisation.held_together else ""
-        # Largest number of contact points for which a response of every point is computed: it must save time and fit
-        # into memory.
+        # Responses of all contact points are computed only if this saves time and if they fit into memory.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
         worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
         if self.several is not None and self.problem.method == "lemke" and worth_while:
@@ -183,7 +182,7 @@ class _Run:
         self._without_equilibrium = 0
 
     def solve(self, block: Block, combinations: Sequence[Combination], at: Ints) -> None:
-        """Solve combinations (k,), store them in the rows ``at`` (k,) of a block, and extend the envelopes."""
+        """Solve k combinations, store them in the rows ``at`` (k,) of a block, and extend the envelopes."""
         groups = [combination.group for combination in combinations]
         rows: Sequence[int] = range(len(combinations))
         if self.terms is not None:
@@ -217,7 +216,7 @@ class _Run:
     def _sums(
         self, block: Block, combinations: Sequence[Combination], places: Ints, terms: Terms, groups: Sequence[str]
     ) -> Sequence[int]:
-        """Solve combinations as sums of responses; return the rows without a certified sum."""
+        """Solve combinations as sums of responses; return the indices of combinations without a certified sum."""
         factors = _factors(combinations, terms.cases)
         verdict, pushes, reaction, gap, closed, pivots = _core.combine(self.problem.core, terms.shared, factors)
         rows = np.flatnonzero(verdict == 0)
@@ -231,7 +230,7 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        # Bolts are tightened in the problem's plates, not in the layout's.
+        # Bolts are tightened in the problem's plates; the layout has the plates before tightening.
         plates = self.problem.discretisation.members
         for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
             points = plate.points
@@ -271,7 +270,10 @@ class _Run:
     def _take_fields(
         self, member: PlateLayout, terms: PlateTerms, group: str, shares: Floats, acting: Bools, who: Ints
     ) -> list[tuple[Floats, Floats]]:
-        """Add fields of one plate to a group's envelope; return extremes (k, 2) and positions (k, 2, 2) by field."""
+        """Extend a group's envelope by the fields of one plate.
+
+        Returns for each field the extremes (k, 2) of k combinations and their positions (k, 2, 2).
+        """
         result, places = [], member.plate.own.stress_nodes.points
         assert self.terms is not None
         for name, extremes in self._envelope(group).fields.items():
@@ -297,7 +299,7 @@ class _Run:
         coefficients: Floats,
         acting: Bools,
     ) -> None:
-        """Store extremes of a plate's means at singular places; ``acting`` (r, c) marks the load cases of each row."""
+        """Store extremes of a plate's means at singular points; ``acting`` (r, c) marks the load cases in each row."""
         assert self.terms is not None
         beside = member.beside
         named = [(name, place) for place, name in enumerate(self.layout.fields) if name in PEAKING]
@@ -334,7 +336,7 @@ def _take_derived(
     classes: Ints,
     left_out: Bools,
 ) -> tuple[Floats, Ints]:
-    """Add a field computed from moments and shears; return extremes and their nodes, as `Extremes.take_sums` does."""
+    """Extend extremes by a field that is computed from moments and shears; return values as `Extremes.take_sums`."""
     peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
     for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
         some = slice(first, first + step)
@@ -353,7 +355,7 @@ def _take_derived(
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
-    """Yield each group with its rows, from rows (k,) in rising order."""
+    """Yield each group with the numbers of its rows, given all rows (k,) in rising order."""
     for group in dict.fromkeys(groups[row] for row in rows):
         yield group, np.array([row for row in rows if groups[row] == group])
 
@@ -369,9 +371,9 @@ def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Float
 
 
 def _loads(model: Model, combinations: Sequence[Combination]) -> Iterator[tuple[str, Floats]]:
-    """Yield columns with the factors of cases and the positions of moving loads.
+    """Yield columns with the factors of load cases and with the positions of moving loads.
 
-    Both are NaN in a combination that has a moving load at two positions.
+    A value is NaN in a combination that has the moving load at two positions.
     """
     travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
     factor = {case: np.zeros(len(combinations)) for case in (*model.cases, *(m.case for m in model.moving))}

@@ -1,4 +1,7 @@
-"""Terms of which answers are linear combinations, and bounds of the certificate errors of such sums."""
+"""Terms whose linear combinations are the answers, and bounds of the certificate errors of such sums.
+
+The terms are the solutions without load, for each load case, and for a unit force at each contact point.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +21,21 @@ from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import means_of
 
 _WATCHED = 64
-"""Number of nodes, and largest number of dofs, at which a sum's largest deflection and load are estimated from below.
+"""Number of nodes, and approximate number of dofs, whose deflections and loads are lower bounds of a sum's largest
+deflection and load.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """Nodes spread over the plate, and dofs (3·node + component) with the largest load of a load case."""
+    """Nodes spread over the plate, and for some load cases the dof (3·node + component) with the largest load."""
 
     nodes: Ints
     dofs: Ints
 
     @classmethod
     def of(cls, discretisation: Discretisation, cases: Sequence[str]) -> Watch:
-        """Choose evenly numbered nodes, and the most loaded dof of each of at most 127 load cases."""
+        """Choose nodes at equal steps of their numbers, and the most loaded dof of each of at most 127 load cases."""
         unit = np.tile(_units(discretisation), discretisation.mesh.node_count)
         some = cases[:: max(1, len(cases) // _WATCHED)]
         dofs = {int(np.abs(discretisation.cases[case].nodal / unit).argmax()) for case in some}
@@ -40,23 +44,23 @@ class Watch:
 
 
 class Sizes(NamedTuple):
-    """Data of one term for certificates; with a leading axis (b,), data of b terms."""
+    """Data of one term that certificates need; with a leading axis (b,), data of b terms."""
 
     moved: Floats
     """(m,): displacement Gu of every contact point."""
     reaction: Floats
     """(m,): reaction of every contact point."""
     errors: Floats
-    """(2,): largest nodal residual force, couples divided by the element size; and largest error of a held deflection
-    or of a held slope times the plate's size."""
+    """(2,): largest residual force at a node, with couples divided by the element size; largest error of a held
+    deflection, or of a held slope times the plate's size."""
     balance: Floats
-    """(3p,): force and moments on each of p plates that the supports leave unbalanced."""
+    """(3p,): force and two moments on each of p plates, which the supports do not balance."""
     resultant: Floats
-    """(3p,): resultants of the load on each plate, excluding self-equilibrated parts."""
+    """(3p,): force and two moments of the load on each plate, excluding self-equilibrated parts."""
     deflection: Floats
-    """Deflections of the nodes of the `Watch`."""
+    """Deflections of the nodes in `Watch.nodes`."""
     load: Floats
-    """Loads on the dofs of the `Watch`; couples are divided by the element size."""
+    """Loads on the dofs in `Watch.dofs`; couples are divided by the element size."""
 
     @classmethod
     def of(
@@ -71,7 +75,10 @@ class Sizes(NamedTuple):
         on_plate: Floats,
         at_rest: bool,
     ) -> Sizes:
-        """Measure a term: displacements ``hi + lo``, residual ``imbalance`` and support forces ``on_plate`` (3n,)."""
+        """Compute the data of a term.
+
+        Given are displacements ``hi + lo``, residual ``imbalance`` and support forces ``on_plate``, each (3n,).
+        """
         rows, held = discretisation.contacts.rows, discretisation.held
         exact = hi.astype(np.longdouble) + lo
         moved = rows.dot(discretisation.mesh.elements, exact)
@@ -93,14 +100,18 @@ class Sizes(NamedTuple):
 
 
 def _units(discretisation: Discretisation) -> Floats:
-    """Divisors (3,) of the force and the two couples of a node: 1 and the element size."""
+    """Divisors (3,) of a node's force and two couples: 1 and the element size."""
     across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Data of terms, contact rows times rigid motions ``moves``, and the largest entry of each row ``grip`` (m, 1)."""
+    """Data that certificate errors of sums are computed from.
+
+    ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows times rigid motions. ``grip`` (m, 1) is the
+    largest entry of each contact row.
+    """
 
     discretisation: Discretisation
     terms: Sizes
@@ -109,7 +120,7 @@ class Proof:
 
     @classmethod
     def of(cls, discretisation: Discretisation, sizes: Sequence[Sizes]) -> Proof:
-        """Stack the data of the terms."""
+        """Stack the data of all terms for certificates."""
         rows = abs(discretisation.contact_rows)
         rows.data /= _units(discretisation)[rows.indices % 3]
         motions = discretisation.scaled_motions
@@ -121,7 +132,10 @@ class Proof:
         )
 
     def figures(self, coefficients: Floats, reaction: Floats) -> Floats:
-        """Upper bounds (k, 5) of the certificate errors of k sums with coefficients (k, b) and reactions (k, m)."""
+        """Upper bounds (k, 5) of the certificate errors of k sums, in the order of `FIGURES`.
+
+        The sums have ``coefficients`` (k, b) of the terms and contact forces ``reaction`` (k, m).
+        """
         contacts, size, terms = self.discretisation.contacts, self.discretisation.mesh.size, self.terms
         carried = _core.superpose(coefficients, terms.reaction) - reaction
         errors = _core.superpose(np.abs(coefficients), terms.errors)
@@ -157,29 +171,30 @@ def _ratio(error: Floats, size: Floats) -> Floats:
 
 
 _TOGETHER = 32
-"""Number of load cases whose displacements are in memory at once."""
+"""Largest number of load cases whose displacements are in memory at once."""
 
 
 _OfPlate: TypeAlias = tuple[list[Floats], Linear, Floats]
-"""Fields, readings and means of one plate in one term."""
+"""Fields, linear readings and means of one plate in one term."""
 _Term: TypeAlias = tuple[list[_OfPlate], Sizes]
-"""Values of every plate in one term, and data for certificates."""
+"""Values of every plate in one term, and the term's data for certificates."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlateTerms:
-    """Values of one plate in all b terms."""
+    """Values of one plate in all b terms of the sums."""
 
     fields: dict[str, Floats]
-    """Fields (b, n) or (b, s) that envelopes need, by name; "reaction" is one of them."""
+    """Fields (b, n) at nodes or (b, s) at stress nodes, by name, for the envelopes; "reaction" is one of these names.
+    """
     linear: Linear
-    """Linear readings (b, ...)."""
+    """Linear readings of the terms; the first axis of each array is (b,)."""
     means: Floats
     """Means (b, 10k) at the k places of `Beside`."""
 
     @classmethod
     def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
-        """Stack the values of a plate in all terms."""
+        """Stack the values of one plate in all terms."""
         fields, linear, means = zip(*each, strict=True)
         every = [*names, "reaction"] if names else []
         by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
@@ -188,20 +203,20 @@ class PlateTerms:
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms (b,) of the sums: the plate without load, each load case, and a unit force at each contact point."""
+    """The terms (b,) of the sums: solutions without load, for each load case, for unit forces at contact points."""
 
     cases: tuple[str, ...]
-    """Names of the load cases, in the order of their terms."""
+    """Names of the load cases, in the order of the terms."""
     shared: _core.CombinedCases
-    """Condensed contact problem of all terms."""
+    """Contact problem of all terms, condensed onto the contact points."""
     plates: tuple[PlateTerms, ...]
-    """Terms of every plate."""
+    """Values of every plate in the terms."""
     proof: Proof
-    """Data for the certificates of sums."""
+    """Data for the certificates of the sums."""
 
 
 def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
-    """Solve for every term.
+    """Compute all terms.
 
     ``cases`` are the load cases that occur in a combination; ``enveloped`` are the fields that have envelopes.
     """
@@ -228,13 +243,16 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
-    """Names of fields to sum: linear ones in ``enveloped``, and moments and shears if a derived field is enveloped."""
+    """Names of the fields that are summed.
+
+    These are the linear fields in ``enveloped``, and moments and shears if ``enveloped`` has a derived field.
+    """
     derived = any(name not in LINEAR for name in enveloped)
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
 class _Terms:
-    """Reads fields and readings from a response at once, so that its displacements need not stay in memory."""
+    """Reads fields and readings from each response at once, so that the response's displacements need not be stored."""
 
     def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch) -> None:
         self._found, self._names, self._watch = discretisation, names, watch
@@ -243,7 +261,7 @@ class _Terms:
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
-        """Read terms from responses and their loads; ``loads`` is None for responses without load."""
+        """Read terms from responses to ``loads``; ``loads`` is None if the responses are to unit forces."""
         if loads is None:
             loads = [self._found.no_load] * len(responses)
         return [self._term(*one, at_rest) for one in zip(responses, loads, strict=True)]
@@ -286,7 +304,7 @@ class _Terms:
             for place, name in enumerate(LINEAR)
             if name in self._names
         ]
-        # Envelopes of fields need means; without enveloped fields no means are read.
+        # Only envelopes of fields need means at singular points.
         means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
         linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
         return [*kept, at_nodes] if self._names else kept, linear, means

@@ -1,4 +1,4 @@
-"""Quadrature over regions of the plate, whose outlines and steps may cut elements."""
+"""Quadrature over regions of the plate; their outlines, and curves at which the integrand jumps, may cut elements."""
 
 from __future__ import annotations
 
@@ -20,11 +20,14 @@ from signorini.shapes.cuts import Part
 _ON_PLATE = 1e-9
 """Largest area or length off the plate, relative to the whole, that counts as rounding."""
 _RADON = 3
-"""Largest order of Gauss's rule for which Radon's seven points are as accurate on a triangle."""
+"""Largest number of Gauss points per direction at which Radon's seven points on a triangle are as accurate."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
-"""Corners at which the lines of a collapsed rule meet, by the sum of 1, 2 and 4 for each side on the outline."""
+"""Corners of a triangle at which the lines of a collapsed rule meet, for each set of sides on the outline.
+
+The key is the sum of 1, 2 and 4, one for each side of the set.
+"""
 _ROUNDINGS = 16.0
-"""Rounding of an outline's position, in machine epsilons times the largest coordinate."""
+"""Largest rounding of an outline's position, in machine epsilons times the largest coordinate."""
 
 
 def area_quadrature(
@@ -57,7 +60,7 @@ def area_quadrature(
         levels += among(outline, crossed(mesh, elements, outline))
     result = cut_by(mesh, elements, levels, order, off).points
     inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
-    # On curved outlines the cuts are not exact: weights are scaled to the exact area.
+    # Curved outlines are cut along chords: weights are scaled to the exact area.
     count = len(mesh.elements)
     area = np.bincount(smooth.elements, smooth.weights, count)
     cut_area = np.bincount(result.elements[inside], result.weights[inside], count)
@@ -92,7 +95,7 @@ def _by_element(parts: list[Quadrature]) -> Quadrature:
 
 
 def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:
-    """Quadrature over whole elements (k,): Lobatto's rule across their sides ``outer`` (k, 4), else Gauss's."""
+    """Quadrature over whole elements (k,): Lobatto's rule across sides marked in ``outer`` (k, 4), else Gauss's."""
     triangles = mesh.triangles[elements]
     across = np.column_stack([outer[:, 1] | outer[:, 3], outer[:, 0] | outer[:, 2]])
     rules = (gauss(order), lobatto(order))
@@ -111,7 +114,7 @@ def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrat
 
 
 def _by_rule(mesh: Mesh, elements: Ints, station: Floats, weight: Floats, triangles: bool = False) -> Quadrature:
-    """Quadrature by one rule over whole elements, either all triangles or all quadrilaterals."""
+    """Quadrature by one rule over whole elements, which are all triangles or all quadrilaterals."""
     nodes = mesh.nodes[elements]
     weights = determinants(nodes, station, triangles) * weight
     positions = ((triangular if triangles else serendipity)(station)[0] @ nodes).reshape(-1, 2)
@@ -120,10 +123,10 @@ def _by_rule(mesh: Mesh, elements: Ints, station: Floats, weight: Floats, triang
 
 
 def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floats]:
-    """Points and weights on the triangle, exact at least to the degree 2·order − 2.
+    """Points and weights on the reference triangle, exact at least to the degree 2·order − 2.
 
     ``sides`` is the sum of 1, 2 and 4 for each side on the outline. There are points on these sides; with
-    ``to_corners``, also at their ends.
+    ``to_corners``, also at the ends of the sides.
     """
     if sides == 0:
         return radon() if order <= _RADON else collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
@@ -136,12 +139,12 @@ def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floa
 
 
 def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: float = 1.0) -> float:
-    """Area of a region, or length of a curve, off the plate; ``part`` is the fraction that must be on it.
+    """Area of a region, or length of a curve, off the plate; ``part`` is the fraction that must be on the plate.
 
-    It is 0 within a tolerance: rounding, for a region also a strip of a millionth of the plate's size, and the area
-    between the plate's round outline and the parabolas of its elements.
+    The result is 0 within a tolerance: rounding, for a region also a strip of a millionth of the plate's size, and the
+    area between the plate's round outline and the parabolas of its elements.
     """
-    # Positions of outlines are rounded as coordinates are.
+    # Positions on outlines have the rounding of coordinates.
     apart = _ROUNDINGS * float(np.finfo(float).eps) * float(np.abs(mesh.points).max())
     if isinstance(where, Ring | Polyline):
         measure, slack = where.length, apart

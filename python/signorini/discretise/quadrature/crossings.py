@@ -8,20 +8,21 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.shapes.outlines import Outline
 
 _BISECTIONS = 54
-"""Number of bisections: the interval shrinks to the rounding of its ends."""
+"""Number of bisections of an interval, after which its length is the rounding of its ends."""
 _ZERO = 1e-12
-"""Relative tolerance for a zero value of a polynomial, relative to its terms."""
+"""Tolerance for a zero value of a polynomial, relative to the largest magnitude of its terms."""
 
 
 def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
-    """Find roots (r,) on [−1, 1] of polynomials (k, d + 1), constant terms first; return their polynomials' indices.
+    """Find roots (r,) on [−1, 1] of polynomials (k, d + 1), constant terms first.
 
-    Between neighbouring roots of the derivative there is at most one root. Leading coefficients may vanish. Values up
-    to the tolerance (k,) count as zero, so that double roots are found; a root may occur twice.
+    Return the index (r,) of each root's polynomial, and the roots. Between neighbouring roots of the derivative there
+    is at most one root. Leading coefficients may vanish. Values up to the tolerance (k,) count as zero, so that double
+    roots are found; a root may occur twice.
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
-    # Most sides and outlines are straight: degree 1.
+    # Most sides and outlines are straight, so that the degree is 1.
     degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
     coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
@@ -57,20 +58,21 @@ def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
 
 
 def quadratics(sides: Floats) -> Floats:
-    """Polynomials (k, 2, 3) in t on [−1, 1] of sides (k, 3, 2), given by corner, midside, corner."""
+    """Polynomials (k, 2, 3) in t on [−1, 1] of sides (k, 3, 2), each given by corner, midside node, corner."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     return np.stack([middle, 0.5 * (b - a), 0.5 * (a + b) - middle], axis=-1)
 
 
 def evaluate(curves: Floats, t: Floats) -> Floats:
-    """Positions (k, 2) on quadratics (k, 2, 3) at parameters t (k,)."""
+    """Positions (k, 2) on quadratic curves (k, 2, 3) at parameters t (k,)."""
     return np.asarray(curves[..., 0] + t[:, None] * (curves[..., 1] + t[:, None] * curves[..., 2]))
 
 
 def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
-    """Intersect quadratics (k, 2, 3) with segments (k, 2, 2), pair by pair: indices of pairs (r,), positions (r, 2).
+    """Intersect quadratic curves (k, 2, 3) with segments (k, 2, 2), pair by pair.
 
-    A crossing may occur twice. A side along a segment gives both of its ends.
+    Return the index (r,) of each crossing's pair, and positions (r, 2). A crossing may occur twice. For a side along a
+    segment, both ends of the side are returned.
     """
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.hypot(*along.T)
@@ -87,7 +89,7 @@ def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
 
 
 def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
-    """Intersect quadratics (k, 2, 3) with circles (k, 3), pair by pair, as `with_segments`."""
+    """Intersect quadratic curves (k, 2, 3) with circles (k, 3), pair by pair; the result is as for `with_segments`."""
     a, b, c = curves[..., 0] - circles[:, :2], curves[..., 1], curves[..., 2]
     radius = circles[:, 2]
     distance = np.hypot(*a.T)
@@ -99,7 +101,7 @@ def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
 
 
 def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
-    """Intersect circles (k, 3) with others, pair by pair, as `with_segments`."""
+    """Intersect circles (k, 3) with circles ``others`` (k, 3), pair by pair; the result is as for `with_segments`."""
     apart = others[:, :2] - circles[:, :2]
     distance, radius = np.hypot(*apart.T), circles[:, 2]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -113,7 +115,7 @@ def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
 
 
 def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Indices (p,) into two tables of all pairs of entries that have the same owner."""
+    """Indices (p,) into two tables of all pairs of entries with the same owner; the tables give each entry's owner."""
     order = np.argsort(others, kind="stable")
     first, stop = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
     count = stop - first
@@ -122,7 +124,10 @@ def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
 
 
 def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints, Ints, Ints]:
-    """Pairs (box, segment) of boxes (n, 4) and segments of an outline that meet, then pairs (box, circle)."""
+    """Indices of all pairs (box, segment) that meet, and of all pairs (box, circle) that meet.
+
+    Boxes (n, 4) are enlarged by ``margin``; segments and circles are those of an outline.
+    """
     centre, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2]) + margin
     by_segment = []
     for a, b in outline.segments:

@@ -27,29 +27,29 @@ from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 _STRAIGHT = 1e-14
-"""Largest bend of a straight side, relative to its coordinates: rounding."""
+"""Largest bend of a side that counts as straight, relative to its coordinates."""
 _THIN = 1e-13
-"""Least width of a strip, area of a cell, and weight of a point, relative to those of the element or the cell."""
+"""Least width of a strip and area of a cell, relative to the element's, and least weight, relative to the cell's."""
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Least width of a strip, relative to the coordinates of the element: the rounding of common ends of sides."""
+"""Least width of a strip, relative to the coordinates of the element: common ends of sides are rounded."""
 _SLIVER = 1e-12
-"""Largest uncovered area, relative to the element's, of an element that counts as whole."""
+"""Largest uncovered area of an element that counts as whole, relative to the element's area."""
 _ALONG = 1e-9
-"""Tolerance for nodes on a circle that the mesh follows, relative to the mesh's size."""
+"""Largest distance of nodes from a circle that the mesh follows, relative to the mesh's size."""
 _CONVERGED = 1e-13
-"""Tolerance for converged moments, relative to the area of the element's box or of the region."""
+"""Largest change of converged moments, relative to the area of the element's box or of the region."""
 _CURVED_POINTS = 8
-"""Number of Gauss points in x of a cell with curved bounds."""
+"""Number of Gauss points in x of a cell that curves bound."""
 _BISECTIONS = 40
 """Largest number of bisections of a cell."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces(Table):
-    """Curves y(x) between ``ends`` (p, 2) in x: sides of cut elements, ``owner`` (p,), or parts of the outline in them.
+    """Curves y(x) between ``ends`` (p, 2) in x: sides of cut elements ``owner`` (p,), or parts of the outline in them.
 
     ``quadratic`` (p, 2, 3) has the coefficients of x(t) and y(t), with x monotone in t; NaN for half circles.
-    ``circle`` (p, 3) has centre and radius of half circles; NaN for quadratics. ``sign`` (p,) is that of dx/dt; for
+    ``circle`` (p, 3) has centre and radius of half circles; NaN for quadratics. ``sign`` (p,) is the sign of dx/dt; for
     half circles +1 is the upper half, −1 the lower one. ``turns`` (p, 2) marks vertical tangents at the ends.
     """
 
@@ -63,7 +63,7 @@ class Pieces(Table):
 
     @classmethod
     def of_quadratics(cls, owner: Ints, curves: Floats, is_side: bool) -> Pieces:
-        """Split quadratics (k, 2, 3) on −1 ≤ t ≤ 1 at the extremum of x."""
+        """Split quadratic curves (k, 2, 3) on −1 ≤ t ≤ 1 at the extremum of x, so that x is monotone."""
         x0, x1, x2 = curves[:, 0].T
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.clip(np.nan_to_num(-x1 / (2.0 * x2), nan=1.0), -1.0, 1.0)
@@ -100,11 +100,11 @@ class Pieces(Table):
 
     @property
     def straight(self) -> Bools:
-        """Whether pieces (p,) are straight."""
+        """Mask (p,) of straight pieces."""
         return np.asarray((self.quadratic[..., 2] == 0.0).all(axis=1))
 
     def height(self, index: Ints, x: Floats) -> Floats:
-        """Compute y (k,) at x (k,) on the pieces with indices (k,)."""
+        """Height y (k,) at x (k,) on the pieces with indices (k,)."""
         y = np.empty(len(x))
         round_ = np.isnan(self.quadratic[index, 0, 0])
         y[round_] = self._on_circle(index[round_], x[round_])
@@ -118,7 +118,7 @@ class Pieces(Table):
     def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
         (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
         sign = self.sign[index]
-        # The root is dx/dt; of the two forms of t, take the one without cancellation.
+        # The root is dx/dt. Take the formula for t without cancellation.
         root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
@@ -128,7 +128,7 @@ class Pieces(Table):
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Elements in a region: ``whole`` (k,), and points (q, 2) with weights (q,) in cut elements (q,).
+    """Parts of a mesh in a region: ``whole`` elements (k,), and points (q, 2) with weights (q,) in cut elements (q,).
 
     ``factors`` (k,) are areas of whole elements bounded by true arcs, relative to areas bounded by parabolas.
     """
@@ -142,7 +142,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Table):
-    """Cells: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents at ends (c, 2)."""
+    """Cells: cut element (c,), range in x (c, 2), lower and upper curve (c, 2), vertical tangents at ends (c, 2)."""
 
     owner: Ints
     x: Floats
@@ -178,7 +178,8 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
     centres = mesh.map(clear, mesh.inward(clear, np.zeros((len(clear), 2)), 0.0))
     whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
     owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
-    # Coordinates about the region's middle: far from the origin, rounding would decide the order of touching curves.
+    # Coordinates are taken from the region's middle: far from the origin, rounding would decide the order of touching
+    # curves.
     origin = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
     sides = mesh.points[mesh.sides[cut_elements]] - origin
     segments, circles = region.outline.segments[segment] - origin, region.outline.whole_circles[circle]
@@ -197,9 +198,10 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
 
 
 def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, Floats]:
-    """Mask of elements (k,) with a side on their circle (k, 3), all inside or all outside; areas between side and arc.
+    """Mask (k,) of elements with a side on their circle (k, 3), and areas between these sides and the circle's arcs.
 
-    Each marked element has one area, the sum over its sides, positive within the circle.
+    Only elements that are entirely inside or outside the circle are marked. Each marked element has one area, the sum
+    over its sides, positive within the circle.
     """
     off = np.hypot(*np.moveaxis(mesh.nodes[elements] - circles[:, None, :2], -1, 0)) - circles[:, 2:]
     on_circle, slack = np.abs(off) <= _ALONG * mesh.size, _ALONG * mesh.size
@@ -221,10 +223,10 @@ def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, 
 def _pieces(
     sides: Floats, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
-    """Curves of every cut element with sides (c, 4, 3, 2), and the ends of strips: element and x of each."""
+    """Curves of every cut element with sides (c, 4, 3, 2), and the element and x of each end of a strip."""
     by_segment, by_circle = owners
     curves = quadratics(sides.reshape(-1, 3, 2))
-    # A bend within rounding counts as straight.
+    # A side whose bend is within rounding counts as straight.
     size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
     curves[np.abs(curves[..., 2]).max(axis=1) <= _STRAIGHT * size, :, 2] = 0.0
     sides = curves.reshape(-1, 4, 2, 3)
@@ -254,9 +256,9 @@ def _pieces(
 
 
 def _strips(owner: Ints, x: Floats, boxes: Floats, rounding: Floats) -> tuple[Ints, Floats]:
-    """Strips between neighbouring breaks within each element's box: elements (s,) and ranges (s, 2) in x.
+    """Strips between neighbouring breaks ``x`` in each element's box: elements (s,) and ranges (s, 2) in x.
 
-    Breaks nearer than the rounding (c,) of an element's coordinates are merged.
+    Breaks nearer to each other than the rounding (c,) of the element's coordinates are merged.
     """
     x = np.clip(x, boxes[owner, 0], boxes[owner, 2])
     order = np.lexsort((x, owner))
@@ -268,7 +270,7 @@ def _strips(owner: Ints, x: Floats, boxes: Floats, rounding: Floats) -> tuple[In
 
 
 def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Floats) -> _Cells:
-    """Sort the curves through each strip and keep the cells in both the element and the region."""
+    """Sort the curves through each strip; return the cells between them that lie in both the element and the region."""
     owner, x = strips
     starts = np.searchsorted(pieces.owner, [owner, owner + 1])
     counts = starts[1] - starts[0]
@@ -295,7 +297,10 @@ def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Fl
 def _integrate(
     pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int, rule: Rule
 ) -> tuple[Ints, Floats, Floats]:
-    """Points of the cells; cells with curved bounds are bisected in x until their moments have converged."""
+    """Elements, positions and weights of the points of the cells.
+
+    Cells with curved bounds are bisected in x until their moments have converged.
+    """
     straight = np.asarray(pieces.straight[cells.between].all(axis=1))
     done = [_points(pieces, cells.pick(straight), order + 1, order, rule)]
     cells = cells.pick(~straight)
@@ -318,7 +323,7 @@ def _integrate(
 
 
 def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Points of a rule in x, their weights, and lower and upper bound in y at these points, all (c, count)."""
+    """Stations x of a rule in each cell, their weights, and lower and upper y at these stations, all (c, count)."""
     node, weight = rule
     t, w = 0.5 + 0.5 * node, 0.5 * weight
     maps = np.stack([t, t**2, 1.0 - (1.0 - t) ** 2, t**2 * (3.0 - 2.0 * t)])
@@ -333,7 +338,7 @@ def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tup
 
 
 def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
-    """Area and first moments (c, 3) of cells, moments about the middle of the element's box, relative to its size."""
+    """Area and first moments (c, 3) of cells about the middle of the element's box, relative to the box's size."""
     x, weight, low, high = _stations(pieces, cells, gauss(_CURVED_POINTS))
     lower, upper = boxes[cells.owner, :2, None], boxes[cells.owner, 2:, None]
     (middle_x, middle_y), (extent_x, extent_y) = (np.moveaxis(f, 1, 0) for f in (0.5 * (lower + upper), upper - lower))
@@ -343,13 +348,13 @@ def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
 
 
 def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -> tuple[Ints, Floats, Floats]:
-    """Points of the cells: owners (q,), positions (q, 2) and weights (q,)."""
+    """Elements (q,), positions (q, 2) and weights (q,) of the points of the cells."""
     x, weight, low, high = _stations(pieces, cells, rule(count))
     node, across = rule(order)
     y = 0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node
     weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
     positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
     owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
-    # Points at the tip of a cell have weight 0.
+    # At the tip of a cell the weight of a point is 0.
     positive = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
     return owner[positive], positions[positive], weights[positive]

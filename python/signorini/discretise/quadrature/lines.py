@@ -20,44 +20,44 @@ from signorini.shapes import Curve, Ring
 from signorini.shapes.outlines import Outline, Side, arc_through
 
 _SAME = 1e-13
-"""Relative rounding of coordinates and of thirds of a circle."""
+"""Relative rounding errors of coordinates, and of the angles of thirds of a circle."""
 _TOUCHED = 1e-6
-"""Least length of a piece relative to its arc: a tangent point has half of the digits only."""
+"""Least length of a piece relative to its arc: tangent points are computed to half of the digits."""
 _STRAIGHT = 1e-9
-"""Largest distance of a side from a line on which it lies, relative to its length."""
+"""Largest distance of a side from the line on which it lies, relative to the length of the side."""
 _NONE = np.zeros((0, 2))
-"""No points."""
+"""Array of positions without entries."""
 _INSIDE = 1e-6
-"""Tolerance for jumps at the ends of an interval, relative to its length."""
+"""Distance from the ends of an interval within which a jump counts as at the end, relative to its length."""
 _SEEN = 17
-"""Number of sample points of an interval; features between two of them are missed."""
+"""Number of sample points of an interval; two changes of sign between neighbouring samples are missed."""
 _BISECTIONS = 50
-"""Number of bisections for a jump: down to the rounding of the interval."""
+"""Number of bisections with which a jump is located in an interval, to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A straight piece between two points (2,)."""
+    """A straight piece of a curve between two points (2,)."""
 
     begin: Floats
     end: Floats
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the segment."""
         return float(np.hypot(*(self.end - self.begin)))
 
     def at(self, s: Floats) -> tuple[Floats, Floats]:
-        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        """Positions (q, 2) and unit tangents (q, 2) at arc lengths s (q,)."""
         along = (self.end - self.begin) / self.length
         return self.begin + s[:, None] * along, np.tile(along, (len(s), 1))
 
     def crossings(self, sides: Floats) -> Floats:
-        """Arc lengths (r,) at which sides (k, 3, 2) meet the segment, unordered, possibly repeated."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order; values may occur twice."""
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
         sides = sides[near]
-        # The crossing of a side with a line on which it lies is undefined: the ends of the side are taken.
+        # If a side lies on the line, their crossing is undefined, and the ends of the side are taken.
         along = self._holds(sides)
         _, points = with_segments(quadratics(sides[~along]), np.repeat(segment, int((~along).sum()), axis=0))
         return self.nearest(np.concatenate([points, sides[along][:, [0, 2]].reshape(-1, 2)]))
@@ -69,7 +69,7 @@ class Segment:
         return np.asarray(off <= _STRAIGHT * np.hypot(*(sides[:, 2] - sides[:, 0]).T) + _margin(sides))
 
     def nearest(self, points: Floats) -> Floats:
-        """Arc lengths (q,) of the feet of points (q, 2) on the infinite line."""
+        """Arc lengths (q,) of the points nearest to ``points`` (q, 2) on the infinite line."""
         return np.asarray((points - self.begin) @ (self.end - self.begin) / self.length)
 
 
@@ -84,27 +84,27 @@ class PartOfCircle:
 
     @property
     def length(self) -> float:
-        """Length."""
+        """Length of the arc."""
         return self.radius * abs(self.sweep)
 
     def at(self, s: Floats) -> tuple[Floats, Floats]:
-        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        """Positions (q, 2) and unit tangents (q, 2) at arc lengths s (q,)."""
         sign = np.copysign(1.0, self.sweep)
         angle = self.start + sign * s / self.radius
         outward = np.column_stack([np.cos(angle), np.sin(angle)])
         return self.center + self.radius * outward, sign * np.column_stack([-outward[:, 1], outward[:, 0]])
 
     def crossings(self, sides: Floats) -> Floats:
-        """Arc lengths (r,) at which sides (k, 3, 2) meet the full circle, unordered, possibly repeated."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the full circle, in any order; values may occur twice."""
         circle = np.array([[*self.center, self.radius]])
         _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
         return self.nearest(points)
 
     def nearest(self, points: Floats) -> Floats:
-        """Arc lengths (q,) of the feet of points (q, 2) on the full circle; beyond the arc's ends too."""
+        """Arc lengths (q,) of the points nearest to ``points`` (q, 2) on the full circle, perhaps beyond the arc."""
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
-        # Angles within half a turn of the arc's middle.
+        # Angles are taken within half a turn of the arc's middle.
         turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
         return np.asarray((np.mod(turned, 2.0 * np.pi) - np.pi + 0.5 * abs(self.sweep)) * self.radius)
 
@@ -119,9 +119,10 @@ Arc: TypeAlias = Segment | PartOfCircle
 
 
 def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
-    """Increasing arc lengths of an arc's ends, its crossings with sides (k, 3, 2), and feet of points (q, 2).
+    """Increasing arc lengths at which an arc is divided: its ends, and its crossings with sides (k, 3, 2).
 
-    A full circle begins and ends at the first crossing or foot.
+    The points of the arc nearest to ``beside`` (q, 2) are included. A full circle begins and ends at the first of
+    these.
     """
     s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
     if isinstance(arc, PartOfCircle) and arc.closed:
@@ -134,7 +135,7 @@ def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
 
 
 def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
-    """Divide pieces longer than a third of a circle: Gauss points on three thirds prefer no direction."""
+    """Divide pieces longer than a third of a circle into thirds, on which Gauss points prefer no direction."""
     if isinstance(arc, Segment):
         return breaks
     turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * arc.radius)
@@ -144,7 +145,10 @@ def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
 
 
 def arcs_of(outline: Outline) -> list[Arc]:
-    """Smooth pieces of an outline: segments, then arcs, then circles counter-clockwise from their rightmost points."""
+    """Smooth pieces of an outline: segments, then arcs, then circles.
+
+    Circles run counter-clockwise from their rightmost points.
+    """
     segments: list[Arc] = [Segment(a, b) for a, b in outline.segments]
     arcs = [arc_of((tuple(a), tuple(m), tuple(b))) for a, m, b in outline.arcs.tolist()]
     circles = [PartOfCircle(np.array([x, y]), r, 0.0, 2.0 * np.pi) for x, y, r in outline.circles.tolist()]
@@ -152,7 +156,7 @@ def arcs_of(outline: Outline) -> list[Arc]:
 
 
 def arc_of(side: Side) -> Arc:
-    """Convert a side, straight or an arc, to a piece parametrised by arc length."""
+    """Convert a straight or circular side of an outline to a piece parametrised by arc length."""
     begin, through, end = side
     result = None if through is None else arc_through(begin, through, end)
     return Segment(np.array(begin), np.array(end)) if result is None else PartOfCircle(*result)
@@ -165,7 +169,7 @@ def _margin(sides: Floats) -> float:
 def divided(
     begin: Floats, end: Floats, positions: Callable[[Ints, Floats], Floats], levels: Levels
 ) -> tuple[Ints, Floats, Floats]:
-    """Divide intervals (k,) of a parameter where a level changes sign.
+    """Divide intervals (k,) of a parameter where one of the level functions ``levels`` changes sign.
 
     ``positions`` maps intervals (q,) and parameters (q,) to positions (q, 2). Return interval, begin and end of each
     part (m,), in order.
@@ -203,7 +207,8 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
     """
     sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
-        # Sides along the circle would cross it at midside nodes too, and make more pieces than free deflections.
+        # A circle crosses parabolic sides along it at midside nodes too, which would make more pieces than free
+        # deflections.
         along = mesh.sides_on(curve)
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
@@ -216,7 +221,7 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
 def curve_quadrature(
     mesh: Mesh, curve: Curve, order: int = GAUSS, at_ends: int = 0, levels: Levels = ()
 ) -> LineQuadrature:
-    """Quadrature along the part of a curve on the plate, in order; pieces end where levels change sign.
+    """Quadrature along the part of a curve that is on the plate, in order; pieces end where ``levels`` change sign.
 
     Tangents point along the curve, counter-clockwise on a ring. Pieces within one element have ``order`` Gauss points.
     Pieces at ends and corners of a polyline have ``at_ends`` points of Lobatto's rule, unless it is 0.
@@ -242,10 +247,10 @@ def _along(arc: Arc, _: Ints, s: Floats) -> Floats:
 def edge_quadrature(
     mesh: Mesh, triples: Ints, order: int = GAUSS, to_ends: bool = False, levels: Levels = ()
 ) -> LineQuadrature:
-    """Quadrature along curved element sides (k, 3), divided where levels change sign.
+    """Quadrature along curved element sides (k, 3), divided where ``levels`` change sign.
 
-    Tangents point from the first node to the last; points belong to the element on the left if there is one. Sides
-    have ``order`` Gauss points; with ``to_ends``, sides at ends and corners have Lobatto's rule of the same accuracy.
+    Tangents point from the first node to the last; points belong to the element on the left if there is one. Sides have
+    ``order`` Gauss points; with ``to_ends``, sides at ends and corners have Lobatto's rule of the same accuracy.
     """
     elements, sides, forward = mesh.find_sides(triples)
     a, b = mesh.corners_of_sides(elements, sides)
@@ -277,7 +282,10 @@ def _inward(t: Floats, begin: Floats, end: Floats) -> Floats:
 def _stations(
     begin: Floats, end: Floats, at_end: Bools, rule: tuple[Floats, Floats], last: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats, Ints]:
-    """Points, weights and intervals (q,) of a rule on intervals (k,); those ``at_end`` have the rule ``last``."""
+    """Points, weights and interval (q,) of each point, of a rule on intervals (k,).
+
+    Intervals marked in ``at_end`` have the rule ``last``.
+    """
     pick, parts = np.arange(len(begin)), []
     for which, (node, weight) in ((~at_end, rule), (at_end, last)):
         half = 0.5 * (end - begin)[which, None]

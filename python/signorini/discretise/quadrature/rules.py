@@ -1,4 +1,4 @@
-"""Quadrature rules on −1 ≤ t ≤ 1 (Gauss; Lobatto, with points at both ends) and on triangles; points on a mesh."""
+"""Quadrature rules on −1 ≤ t ≤ 1 (Gauss, Lobatto) and on triangles; tables of quadrature points on a mesh."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from signorini._core import section_points
 from signorini.discretise.rows import Floats, Ints, Table
 
 GAUSS = 3
-"""Number of Gauss points in each direction, exact to the degree 5, where the integrand is a polynomial."""
+"""Number of Gauss points in each direction for polynomials; the rule is exact to the degree 5."""
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
-"""Function from the number of points to points and weights on −1 ≤ t ≤ 1."""
+"""Function from the number of points to points and weights of a rule on −1 ≤ t ≤ 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Quadrature(Table):
 
     @property
     def total(self) -> float:
-        """Sum of the weights: the area or length on the plate."""
+        """Sum of the weights: the area or length of the domain on the plate."""
         return float(self.weights.sum())
 
 
@@ -45,8 +45,8 @@ class Quadrature(Table):
 class LineQuadrature(Quadrature):
     """Quadrature along lines, with the unit tangent (q, 2) at each point.
 
-    ``within`` (q, 2) is a position beside each point and inside its piece: there a formula has the value of the piece,
-    even if it jumps at the point.
+    ``within`` (q, 2) is a position beside each point and inside the point's piece: there a formula has the value on
+    this piece, even if the formula jumps at the point.
     """
 
     tangents: Floats
@@ -67,7 +67,7 @@ def gauss(count: int) -> tuple[Floats, Floats]:
 
 @cache
 def lobatto(count: int) -> tuple[Floats, Floats]:
-    """Lobatto's rule with count + 1 points, exact to the degree 2·count − 1 as Gauss's rule with count points."""
+    """Lobatto's rule with count + 1 points; exact to the degree 2·count − 1, as is Gauss's rule with count points."""
     last = np.polynomial.legendre.Legendre.basis(count)
     inner = np.sort(np.real(last.deriv().roots()))
     points = np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
@@ -84,7 +84,7 @@ def radon() -> tuple[Floats, Floats]:
     >>> round(float(weights.sum()), 12), round(float(weights @ points[:, 0] ** 5), 12) == round(1 / 42, 12)
     (0.5, True)
     """
-    # The same points as for the stiffness matrix.
+    # The stiffness matrix of triangles uses the same points.
     points = section_points("mitc9", True)[:7]
     root = np.sqrt(15.0)
     light, heavy = (155.0 - root) / 2400.0, (155.0 + root) / 2400.0
@@ -92,7 +92,7 @@ def radon() -> tuple[Floats, Floats]:
 
 
 def collapsed(corners: Floats, along: tuple[Floats, Floats], across: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Points and weights on a triangle (3, 2): a rule ``along`` lines from its first corner, and one ``across``.
+    """Points and weights on a triangle (3, 2): a rule ``along`` lines from its first corner, a rule ``across`` them.
 
     Rules exact to the degree n are exact on the triangle to n − 1. Points of weight 0 are left out.
 

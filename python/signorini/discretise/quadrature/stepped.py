@@ -22,31 +22,34 @@ from signorini.mesh.isoparametric import TRIANGLE_CORNERS
 from signorini.shapes.cuts import Part
 
 _EMPTY = 1e-14
-"""Smallest area of a triangle, relative to the box that it is part of."""
+"""Smallest area of a triangle that is kept, relative to its box."""
 
 
 Levels = Sequence[Callable[[Floats], Floats]]
-"""Functions of positions (q, 2), each of which changes sign at a step. NaN counts as negative."""
+"""Level functions of positions (q, 2): each function changes sign at a step of the integrand. NaN counts as negative.
+"""
 OFF = 1e-4
 """Largest deviation of a cut from a curved step, relative to the side of the element."""
 _DEEPEST = 7
-"""Largest number of subdivisions of an element."""
+"""Largest number of times that an element is subdivided."""
 INSIDE = 1.0 - 1e-6
-"""Position of the outermost sample points, relative to the distance from the middle to a side: not on the side
-itself."""
+"""Distance of the outermost sample points from the middle, relative to that of the side: they are not on the side."""
 _PARTED = 0.4863
-"""Position at which a side is divided, relative to its length: not the middle, along which steps often run."""
+"""Position at which a side is divided, relative to its length.
+
+It is not the middle, since jumps often run along the middle.
+"""
 _SEEN = 9
 """Number of sample points of an element in each direction; features smaller than an eighth of it may be missed."""
 _CHUNK = 200_000
-"""Largest number of sample points in memory at once."""
+"""Largest number of sample points that are evaluated at once, to limit memory."""
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
 """Coefficients of the plane 1 − ξ − η, positive inside the reference triangle."""
 
 
 @dataclass(frozen=True, eq=False)
 class Triangles(Table):
-    """Triangles: indices of the boxes (t,) that contain them, corners (t, 3, 2), areas of the boxes (t,)."""
+    """Triangles: index (t,) of the box that contains each, corners (t, 3, 2), area (t,) of that box."""
 
     box: Ints
     corners: Floats
@@ -54,7 +57,10 @@ class Triangles(Table):
 
     @classmethod
     def of_boxes(cls, which: Ints, boxes: Floats) -> Triangles:
-        """Halve boxes (k, 4), given by lower and upper corners, along a diagonal; ``which`` (k,) are their indices."""
+        """Halve boxes (k, 4) along a diagonal; ``which`` (k,) are the indices of the boxes.
+
+        A box is given by its lower and upper corner.
+        """
         x0, y0, x1, y1 = boxes.T
         a, b, c, d = (np.column_stack(corner) for corner in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
         corners = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
@@ -62,15 +68,15 @@ class Triangles(Table):
 
     @property
     def area(self) -> Floats:
-        """Areas (t,)."""
+        """Areas (t,) of the triangles."""
         (ax, ay), (bx, by) = ((self.corners[:, i] - self.corners[:, 0]).T for i in (1, 2))
         return np.asarray(0.5 * np.abs(ax * by - ay * bx))
 
 
 def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangles, Ints, Floats]:
-    """Cut triangles along p0 + p1 x + p2 y = 0, with p (c, 3) of their boxes, in boxes marked in ``changes`` (c,).
+    """Cut triangles along the line p0 + p1 x + p2 y = 0, with p (c, 3) by box, in boxes marked in ``changes`` (c,).
 
-    Return uncut triangles and the parts of the others, and boxes (f,) and ends (f, 2, 2) of the cuts.
+    Return the uncut triangles and the parts of the others, then the box (f,) and the ends (f, 2, 2) of each cut.
     """
     boxes = triangles.box
     value = planes[boxes, :1] + np.einsum("tij,tj->ti", triangles.corners, planes[boxes, 1:])
@@ -96,7 +102,7 @@ def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangl
 
 
 def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, Floats]:
-    """Boxes (q,), points (q, 2) and weights (q,) of Gauss rules collapsed to the triangles."""
+    """Box (q,), point (q, 2) and weight (q,) of Gauss rules that are collapsed to the triangles."""
     unit, weights = collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
     shape, weights = np.column_stack([1.0 - unit.sum(axis=1), unit]), 2.0 * weights
     points = np.einsum("sk,tkd->tsd", shape, triangles.corners).reshape(-1, 2)
@@ -104,7 +110,7 @@ def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, 
 
 
 def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
-    """Boxes (q,), points (q, 2) and weights (q,) of Gauss rules on boxes (k, 4)."""
+    """Box (q,), point (q, 2) and weight (q,) of Gauss rules on boxes (k, 4)."""
     node, weight = gauss(order)
     station = np.stack(np.meshgrid(node, node, indexing="ij"), axis=-1).reshape(-1, 2)
     middle, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2])
@@ -114,7 +120,10 @@ def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
 
 
 class Cut(NamedTuple):
-    """Quadrature of elements cut by steps, and the pieces of the steps: ends (f, 2, 2) in reference coordinates."""
+    """Quadrature of elements that are cut by steps, and the segments of the steps in these elements.
+
+    Segments have the elements ``front_elements`` (f,) and the ends ``fronts`` (f, 2, 2) in reference coordinates.
+    """
 
     points: Quadrature
     front_elements: Ints
@@ -122,7 +131,7 @@ class Cut(NamedTuple):
 
 
 def sides_of(region: Part) -> list[Callable[[Floats], Floats]]:
-    """Level-set functions, zero on the extended lines and full circles of a region's outline."""
+    """Level functions of a region's outline, which are zero on its extended sides and full circles."""
     outline = region.outline
     return [
         *(partial(_across, side) for side in outline.segments),
@@ -155,7 +164,7 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
 
 
 def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
-    """The levels that change sign in at least one element of the mask ``across`` (levels, k)."""
+    """The levels that change sign in at least one element, according to the mask ``across`` (levels, k)."""
     return [level for level, crossed_elements in zip(levels, across, strict=True) if crossed_elements.any()]
 
 
@@ -170,24 +179,24 @@ def cut_by(
     """Quadrature over elements (k,) of a function that is smooth except where a level changes sign.
 
     Parts have up to ``order`` Gauss points in each direction. A cut deviates from its step by at most ``off``, relative
-    to the element's side; after seven subdivisions it is accepted with a larger deviation. With ``quarter`` no part
-    extends over the middle lines of a quadrilateral.
+    to the element's side; after seven subdivisions the cut is accepted with a larger deviation. With ``quarter`` no
+    part extends over the middle lines of a quadrilateral.
     """
-    # The box of a triangle has another half, which is cut off.
+    # The box of a triangle has a second half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
-    # Steps that the sampling misses have no pieces.
+    # Steps that no sample detects have no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(_DEEPEST + 1):
         if not len(owner):
             break
         changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
-        # Only levels that cross an element can cross its parts.
+        # A part of an element can only be crossed by levels that cross the element.
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
-            # The middle lines of the elements, ξ = 0 and η = 0, are levels too.
+            # Divide at the middle lines ξ = 0 and η = 0 of the elements too.
             axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
             changes = np.hstack([changes, (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)])
             planes = np.concatenate([planes, axes], axis=1)
@@ -222,9 +231,10 @@ def cut_by(
 def _planes(
     mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, crossing: Bools, count: int
 ) -> tuple[Bools, Floats, Floats]:
-    """Fit planes c₀ + c₁ξ + c₂η to levels in boxes: sign change (c, l), planes (c, l, 3), largest error (c, l).
+    """Fit planes c₀ + c₁ξ + c₂η to levels in boxes.
 
-    The error is a distance in reference coordinates. Only levels in the mask ``crossing`` (c, l) are evaluated.
+    Return whether each level changes sign in each box (c, l), the planes (c, l, 3), and their largest errors (c, l) as
+    distances in reference coordinates. Only levels in the mask ``crossing`` (c, l) are evaluated.
     """
     stations, shape = INSIDE * _square(count), (len(owner), len(levels))
     changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)
@@ -259,6 +269,6 @@ def _quartered(boxes: Floats) -> Floats:
 
 
 def _square(count: int) -> Floats:
-    """Evenly spaced points (count², 2) of the reference square, its sides included."""
+    """Evenly spaced points (count², 2) of the reference square, including points on its sides."""
     along = np.linspace(-1.0, 1.0, count)
     return np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)

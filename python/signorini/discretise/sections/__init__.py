@@ -1,4 +1,4 @@
-"""Forces through sections, in balance with loads and reactions to rounding."""
+"""Forces through sections, in equilibrium with loads and reactions to rounding."""
 
 from signorini.discretise.sections.sections import Sections
 

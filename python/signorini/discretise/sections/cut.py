@@ -37,25 +37,25 @@ from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point, arc_through
 
 BESIDE = 1e-6
-"""Tolerance for an end of a line on an edge, or at a node of an edge, relative to the plate's size."""
+"""Tolerance for an end of a line that lies on an edge, or at a node of an edge, relative to the plate's size."""
 _BEYOND = 2.0
 """Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
 
 v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
-"""Number of Gauss points in each direction."""
+"""Number of Gauss points in each direction on parts of divided elements."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
 """Indices of an element's nodes in order along its boundary."""
 _POINTS = {"mitc9": 9, "q8r": 4}
-"""Number of Gauss points of an element's stiffness."""
+"""Number of Gauss points of an element's stiffness matrix, by kind of element."""
 _WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
-"""Signs in σ : ε = −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
+"""Signs of the terms of σ : ε = −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
 _TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
 """Exponents (i, j) of the monomials ξⁱ ηʲ up to degree 2."""
 
 
 def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
-    """Return a line through points, continued out of the plate where it ends on an edge; and which ends are inside."""
+    """Return a line through ``points``, continued out of the plate at ends on an edge; and which ends are inside."""
     corners, touching = np.array(points, dtype=np.float64), mesh.near.place
     if len(points) > 2 and points[0] == points[-1]:
         return CutLine(corners, touching), (False, False)
@@ -70,7 +70,10 @@ def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, 
 
 
 def _edge(mesh: Mesh, end: Floats) -> tuple[Floats, Floats | None]:
-    """Position of an end, moved to a node within tolerance; if it is on an edge, neighbouring nodes (2, 2) along it."""
+    """Position of an end of a line, moved to a node of an edge within tolerance, and its neighbours along the edge.
+
+    The neighbours (2, 2) are nodes before and after the end; None if the end is not on an edge.
+    """
     chords = np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])
     near, ends = BESIDE * mesh.size, mesh.points[chords]
     apart = np.hypot(*np.moveaxis(ends[:, 0] - end, 1, 0))
@@ -78,7 +81,7 @@ def _edge(mesh: Mesh, end: Floats) -> tuple[Floats, Floats | None]:
         node = chords[apart.argmin(), 0]
         end = mesh.points[node]
         before, after = ends[chords[:, 1] == node, 0], ends[chords[:, 0] == node, 1]
-        # If parts of the plate meet only in this node, take the pair of neighbours without plate between them.
+        # If several parts of the plate meet only in this node, take the two neighbours with no plate between them.
         pairs = [
             np.stack([neighbour_before, neighbour_after]) for neighbour_before in before for neighbour_after in after
         ]
@@ -93,7 +96,7 @@ def _edge(mesh: Mesh, end: Floats) -> tuple[Floats, Floats | None]:
 
 
 def _on_arc(side: Floats, position: Floats, near: float) -> bool:
-    """Whether a position is on the arc that a side, a parabola, approximates."""
+    """Whether a position is on the arc that a side of an element approximates by a parabola."""
     a, middle, b = (tuple(node) for node in side.tolist())
     arc = arc_through(a, middle, b)
     between = 0.0 < (position - side[0]) @ (side[2] - side[0]) < math.dist(a, b) ** 2
@@ -101,13 +104,13 @@ def _on_arc(side: Floats, position: Floats, near: float) -> bool:
 
 
 def _turn(beside: Floats) -> float:
-    """Counter-clockwise angle between two directions (2, 2) along an edge with the plate on the left."""
+    """Counter-clockwise angle between two directions (2, 2) along an edge, with the plate on the left."""
     (x, y), (u, v) = beside.tolist()
     return math.atan2(x * v - y * u, x * u + y * v) % math.tau
 
 
 def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
-    """Direction that bisects the edge's two directions (2, 2) on the side without plate.
+    """Direction out of the plate that bisects two directions (2, 2) along the edge; ``outward`` is that of the line.
 
     None if the line runs along the edge and the edge continues straight: then the line counts as just inside.
     """
@@ -122,12 +125,12 @@ def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A line, its length on the plate, and the elements (k,) that it meets, ascending.
+    """A line, its length on the plate, and the elements (k,) that the line meets, ascending.
 
     Moment, twist and shear are the sum of ``of_forces`` (k, 3, 24) times nodal forces of the elements, in nodal axes,
-    and ``of_stress`` (k, p, 5, 3) times their moments and shears at Gauss points. ``motion`` (k, 3, 24) is v in
-    elements that the line divides, else 0. ``left`` is the quadrature of the parts of divided elements on the left; its
-    elements are indices among the k.
+    and ``of_stress`` (k, p, 5, 3) times moments and shears of the elements at Gauss points. ``motion`` (k, 3, 24) is v
+    in elements that the line divides, else 0. ``left`` is the quadrature of the parts of divided elements on the left;
+    element indices in it count among the k elements.
     """
 
     line: CutLine
@@ -139,37 +142,37 @@ class Cut:
     left: Quadrature
 
     def divided(self) -> Bools:
-        """Whether the line divides each element (k,)."""
+        """Mask (k,) of the elements that the line divides."""
         return np.asarray(self.motion.any(axis=(1, 2)))
 
     def on_left(self, mesh: Mesh, region: Part | None, order: int, levels: Levels) -> Quadrature:
-        """Quadrature of a region's part on the left in divided elements, given by their indices among the k."""
+        """Quadrature of a region's part on the left in divided elements; element indices count among the k elements."""
         if region is None and not levels:
             return self.left
         return _on_left(mesh.part(self.elements), self.line, self.divided(), region, order, levels)
 
     def work(self, elements: Ints, rows: Floats, left: Floats) -> Floats:
-        """Part (q, 3) of moment, twist and shear due to downward forces with rows (q, 24) over elements (q,).
+        """Contribution (q, 3) to moment, twist and shear of downward forces with rows (q, 24) over elements (q,).
 
-        Elements are indices among the k. ``left`` (q,) is the part of each force that acts on the left: a half for a
-        force on the line.
+        Element indices count among the k elements. ``left`` (q,) is the fraction of each force that acts on the left: a
+        half for a force on the line.
         """
         on_whole = (left == 0.5) & ~self.divided()[elements]
         weights = self.of_forces[elements] + left[:, None, None] * self.motion[elements]
         return np.where(on_whole[:, None], 0.0, -np.einsum("qcd,qd->qc", weights, rows))
 
     def lefts(self, positions: Floats) -> Floats:
-        """Part (q,) of forces at positions (q, 2) that acts on the left: 1, 0, or a half on the line."""
+        """Fraction (q,) of forces at positions (q, 2) that acts on the left: 1 or 0, a half on the line."""
         return np.asarray(0.5 - 0.5 * self.line.near(positions).side)
 
     def level(self, positions: Floats) -> Floats:
-        """Level function (q,) at positions (q, 2), which changes sign at the line."""
+        """Level function (q,) at positions (q, 2) that is zero on the line."""
         near = self.line.near(positions)
         return np.where(near.side == 0, near.off[np.arange(len(positions)), near.piece], near.side)
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate along a line through points; ``kind`` is the name of its finite element."""
+    """Cut a plate along a line through points; ``kind`` is the name of the plate's finite element."""
     line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
@@ -178,7 +181,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     taken[_of_bodies_at_ends(mesh.elements[met], held, near.side.reshape(-1, 8), taken)] = 0.0
-    # An element that contains the line but no node beside it has v = 0: `_rest` adds the whole traction.
+    # An element that contains a piece of the line but no node beside it has v = 0: `_rest` adds the whole traction.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
     kept = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
     elements, divided, taken = met[kept], divided[kept], taken[kept]
@@ -211,7 +214,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
 
 
 class _Followed:
-    """A line on a plate; which of its ends lie inside the plate, and how far it is continued beyond these."""
+    """A line on a plate, with the ends that lie inside the plate, and the length of its continuation at these ends."""
 
     def __init__(self, mesh: Mesh, points: Sequence[Point]) -> None:
         self.line, self.inside = followed(mesh, points)
@@ -219,7 +222,7 @@ class _Followed:
         self.beyond = np.where(self.inside, self.reach, 0.0)
 
     def taken(self, near: Near) -> Floats:
-        """Factor of v: 1 at points beside the line, 0 beyond an end inside the plate, a half at the end itself."""
+        """Factor of v at points: 1 beside the line, 0 beyond an end inside the plate, a half at the end itself."""
         taken, lengths = np.ones(len(near.piece)), self.line.lengths
         for end, (piece, past) in enumerate(((0, -near.station), (len(lengths) - 1, near.station - lengths[-1]))):
             if self.inside[end]:
@@ -229,7 +232,7 @@ class _Followed:
 
 
 def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
-    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; pieces of the line.
+    """Elements (k,) that the continued line meets, at least in a node; mask of divided elements; pieces of the line.
 
     Curved sides count as straight between nodes.
     """
@@ -266,7 +269,7 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
 
 
 class _Pieces(NamedTuple):
-    """Parts of a line in elements (q,), or along their sides: piece (q,) of the line, begin and end station (q,)."""
+    """Parts of a line, each in or beside an element (q,): piece (q,) of the line, first and last station (q,)."""
 
     elements: Ints
     piece: Ints
@@ -275,9 +278,9 @@ class _Pieces(NamedTuple):
 
 
 def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bools:
-    """Whether nodes (k, 8) belong to rigid bodies at which the line ends, without running along them: there v = 0.
+    """Mask of nodes (k, 8) of rigid bodies in which the line ends, without running along the body: there v = 0.
 
-    A body is in equilibrium as a whole, so that v must be a single rigid motion on it.
+    A body is in equilibrium only as a whole, so that v must be a single rigid motion on the body.
     """
     inside, leader = held.bodies.inside[nodes], held.bodies.leaders[nodes]
     along = leader[inside & (side == 0) & (taken == 1.0)]
@@ -289,7 +292,7 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
 
     In divided elements the factor is −1 at nodes on the left. In other elements it is 0 except at nodes on the line: ½
     for elements on the left, −½ on the right. Along an edge of the plate, with elements on one side only, it is ±1.
-    Nodes of a rigid body, in equilibrium only as a whole, count as on the body's side.
+    Nodes of a rigid body count as on the body's side, since a body is in equilibrium only as a whole.
     """
     nodes = mesh.elements[elements]
     centres = mesh.map(elements, mesh.inward(elements, np.zeros((len(elements), 2)), 0.0))
@@ -313,7 +316,7 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
 
 
 def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:
-    """Quadrature of a region's part on the left of the line in the divided elements (k,) of a part of the mesh."""
+    """Quadrature of a region's part on the left of the line in the divided elements (k,) of the mesh ``part``."""
     (which,) = np.nonzero(divided)
     if not len(which):
         return Quadrature(which, np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
@@ -324,7 +327,7 @@ def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, ord
 
 
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
-    """Values (q, p) of the functions that interpolate between the Gauss points of an element's stiffness.
+    """Values (q, p) of the functions that interpolate between the Gauss points of an element's stiffness matrix.
 
     Triangles have seven points: a least-squares fit by quadratics; the last two columns are 0.
     """
@@ -352,7 +355,7 @@ def _monomials(xi: Floats, degrees: Ints) -> Floats:
 def _rest(
     mesh: Mesh, plate: _core.Plate, kind: str, line: _Followed, elements: Ints, v: Floats, pieces: _Pieces
 ) -> Floats:
-    """Work (k, p, 5, 3) of unit stresses on the part of v that is missing on the line.
+    """Work (k, p, 5, 3) of unit stresses in the part of v that is missing on the line.
 
     On the line, v should be a rigid motion up to the ends.
     """
@@ -371,7 +374,7 @@ def _rest(
     rows = np.stack([plate.interpolation_rows(element, xi, field)[0] for field in range(3)], axis=1)
     w, x, y = np.moveaxis(missing - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
     nx, ny = (part[:, None] for part in normal.T)
-    # The traction from the right: Q·n on w, −Mn on the slopes.
+    # The traction from the right side acts as Q·n on w, and as −Mn on the slopes.
     work = weights[:, None, None] * np.stack([-nx * x, -ny * y, -nx * y - ny * x, nx * w, ny * w], axis=1)
     stress = np.zeros((len(elements), _POINTS[kind], 5, 3))
     np.add.at(stress, place, _between(mesh, kind, element, xi)[:, :, None, None] * work[:, None])
@@ -379,7 +382,7 @@ def _rest(
 
 
 def _once(pieces: _Pieces) -> Floats:
-    """Weight of each piece: 1, or a half where the line runs between two elements."""
+    """Weight (q,) of each piece: 1, or a half if the piece is between two elements and occurs in both."""
     middle = 0.5 * (pieces.begin + pieces.end)
     order = np.lexsort((middle, pieces.piece))
     again = (np.diff(pieces.piece[order]) == 0) & (pieces.begin[order][1:] < middle[order][:-1])
@@ -390,13 +393,13 @@ def _once(pieces: _Pieces) -> Floats:
 
 
 def _length(line: CutLine, pieces: _Pieces) -> float:
-    """Length of the line on the plate, without its continuation beyond its ends."""
+    """Length of the line on the plate, without its continuations."""
     inside = np.minimum(pieces.end, line.lengths[pieces.piece]) - np.maximum(pieces.begin, 0.0)
     return float(np.maximum(inside, 0.0) @ _once(pieces))
 
 
 def placed(elements: Ints, wanted: Ints) -> tuple[Ints, Ints]:
-    """Positions in ``elements`` (k,), ascending, of the entries of ``wanted`` (q,) in it; indices of these entries."""
+    """Positions in ``elements`` (k,), ascending, of those entries of ``wanted`` (q,) that occur; their indices."""
     place = np.minimum(np.searchsorted(elements, wanted), len(elements) - 1)
     found = np.flatnonzero(elements[place] == wanted) if len(elements) else np.zeros(0, np.int64)
     return place[found], found

@@ -1,4 +1,4 @@
-"""All sections of a model, strips included: section forces as linear functions of displacements and reactions."""
+"""All sections of a model, including strips: section forces as linear functions of displacements and reactions."""
 
 from __future__ import annotations
 
@@ -26,18 +26,21 @@ from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
 
 _FLAT = 1e-9
-"""Relative rank tolerance for the moments of an area in an element; in a narrow area, the slope of pressure is 0."""
+"""Relative rank tolerance for area moments in an element; in a narrow area, the slope of the pressure is set to 0."""
 _AT_SIDE = 1e-6
-"""Tolerance for a point on a side, in reference coordinates."""
+"""Largest distance of a point on a side from this side, in reference coordinates."""
 _BESIDE = 1e-3
-"""Distance from a strip's middle line, relative to half its width. No plate there means that the line is on an edge."""
+"""Distance from a strip's center line at which the plate is searched, relative to half of the strip's width.
+
+Without plate there, the center line is on an edge.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
     """A pressure over a region, or over the plate, as a function of elements (q,) and positions (q, 2).
 
-    It may jump where ``levels`` change sign. For ``field`` 1 or 2 it is a couple per area, on θx or θy.
+    The pressure may jump where ``levels`` change sign. For ``field`` 1 or 2 it is a couple per area, on θx or θy.
     """
 
     region: Part | None
@@ -48,13 +51,13 @@ class Spread:
 
     @classmethod
     def even(cls, shape: Part, pressure: float, field: int = 0) -> Spread:
-        """A constant pressure over a footprint."""
+        """Make a constant pressure over a footprint."""
         return cls(shape, GAUSS, (), lambda _, positions: np.full(len(positions), pressure), field)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sections(Brief):
-    """Lines (s,) across the plate: those of sections, followed by those of strips at their stations.
+    """Lines (s,) across the plate: the lines of sections, then the cross lines of strips at their stations.
 
     The section forces of a line are moment, twist and shear. They are linear in nodal forces and stresses of
     ``elements`` (k,), in loads and in reactions. ``frames`` are those of `Held`.
@@ -63,7 +66,7 @@ class Sections(Brief):
     mesh: Mesh
     cuts: tuple[Cut, ...]
     per: Floats
-    """Divisor (s,) of the forces: 1 for sections, the length on the plate for means of strips."""
+    """Divisor (s,) of the section forces: 1 for sections; for strips, which have means, the length on the plate."""
     frames: Floats | None = None
 
     @classmethod
@@ -83,7 +86,7 @@ class Sections(Brief):
         return cls(mesh, tuple(result), per, held.frames)
 
     def __len__(self) -> int:
-        """Count the lines."""
+        """Return the number of lines."""
         return len(self.cuts)
 
     @property
@@ -97,7 +100,7 @@ class Sections(Brief):
         return np.unique(np.concatenate([np.zeros(0, np.int64), *(line.elements for line in self.cuts)]))
 
     def within(self, plate: _core.Plate, hi: Floats, lo: Floats, curvature: Floats, couples: Floats) -> Floats:
-        """Part (3s,) of the section forces due to nodal forces and stresses at displacements u = hi + lo."""
+        """Contribution (3s,) to the section forces of nodal forces and stresses at displacements u = hi + lo."""
         if not self.cuts:
             return np.zeros(0)
         kx, ky, kxy = curvature.tolist()
@@ -105,12 +108,12 @@ class Sections(Brief):
         return np.asarray(self._of_forces @ forces.ravel() + self._of_stress @ stress.ravel())
 
     def of_points(self, forces: Quadrature) -> Floats:
-        """Part (3s,) of the section forces due to downward point forces, which are the weights."""
+        """Contribution (3s,) to the section forces of downward point forces, which are the weights of ``forces``."""
         met = forces.pick(self._met[forces.elements])
         return self.of_rows(met.elements, met.positions, _deflections(self.mesh, met))
 
     def of_rows(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
-        """Part (3s,) of the section forces due to forces or couples with rows (q, 24) at positions (q, 2)."""
+        """Contribution (3s,) to the section forces of forces or couples with rows (q, 24) at positions (q, 2)."""
 
         def part(line: Cut) -> Floats:
             place, indices = placed(line.elements, elements)
@@ -119,7 +122,7 @@ class Sections(Brief):
         return self._sum(elements, part)
 
     def of_line(self, whole: Quadrature, divided: Callable[[Levels], Quadrature]) -> Floats:
-        """Part (3s,) of the section forces due to forces along a line, with the quadrature ``whole``.
+        """Contribution (3s,) to the section forces of forces along a line, with the quadrature ``whole``.
 
         ``divided`` maps levels to the quadrature that is divided where they change sign.
         """
@@ -140,7 +143,7 @@ class Sections(Brief):
         return self._sum(whole.elements, part)
 
     def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
-        """Part (3s,) of the section forces due to a pressure; ``forces`` is the quadrature for its nodal forces."""
+        """Contribution (3s,) to the section forces of a pressure; ``forces`` is the quadrature of its nodal forces."""
         return self._sum(forces.elements, lambda line: self._of_spread(line, forces, spread))
 
     def of_supports(self, supports: Sequence[Support], points: ContactPoints) -> csr_array:
@@ -151,7 +154,7 @@ class Sections(Brief):
         for index, support in enumerate(supports):
             shapes, rows = support.where.footprints, np.flatnonzero(points.support == index)
             fields = np.zeros(len(rows), np.int64)
-            # Springs about x, which act on θy, precede those about y.
+            # Springs that resist rotations about x, which act on θy, precede springs about y.
             fields[points.slope[rows]] = np.repeat([2, 1], np.count_nonzero(points.slope[rows]) // 2)
             for row, field in zip(rows.tolist(), fields.tolist(), strict=True) if shapes else ():
                 shape = shapes[points.numbers[row]]
@@ -167,7 +170,7 @@ class Sections(Brief):
         return csr_array(vstack(parts))
 
     def _of_spread(self, cut: Cut, forces: Quadrature, spread: Spread) -> Floats:
-        """Moment, twist and shear (3,) at a line due to a pressure; ``forces`` is as in `of_spread`."""
+        """Contribution (3,) of a pressure to moment, twist and shear at one line; ``forces`` is as for `of_spread`."""
         place, indices = placed(cut.elements, forces.elements)
         if not len(place):
             return np.zeros(3)
@@ -180,7 +183,7 @@ class Sections(Brief):
         return np.asarray(cut.work(place, nodal, np.zeros(len(place))).sum(axis=0) - on_left)
 
     def _forces(self, forces: Quadrature, field: int) -> Floats:
-        """Rows (q, 24) of w, θx or θy at points times their weights, which are forces or couples."""
+        """Rows (q, 24) of w, θx or θy at points, multiplied by the weights, which are forces or couples."""
         rows = interpolated(self.mesh, self.frames, forces.elements, forces.xi, field)
         return np.asarray(forces.weights[:, None] * rows.coefficients)
 
@@ -205,7 +208,7 @@ class Sections(Brief):
         return self._rows([np.moveaxis(line.of_stress, -1, 1) for line in self.cuts])
 
     def _rows(self, parts: Sequence[Floats]) -> csr_array:
-        """Sparse matrix (3s, k·n) from element values to section forces; ``parts`` are blocks (k, 3, ...) by line."""
+        """Sparse matrix (3s, k·n) from element values to section forces; ``parts`` has a block (k, 3, ...) per line."""
         width = int(np.prod(parts[0].shape[2:]))
         values = [part.reshape(len(part), 3, width) for part in parts]
         rows, columns = [], []
@@ -227,7 +230,7 @@ def _cut(mesh: Mesh, plate: _core.Plate, model: Model, held: Held, points: Seque
 
 
 def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None:
-    """Refuse a line with an end off the plate; lines across strips may end in a hole."""
+    """Refuse a section with an end off the plate; cross lines of strips may end in a hole."""
     ends = np.array([points[0], points[-1]])
     inward = np.array([points[1], points[-2]]) - ends
     inward *= BESIDE * mesh.size / np.hypot(*inward.T)[:, None]
@@ -258,7 +261,7 @@ def _of_supports(
     supports: Sequence[Support],
     points: ContactPoints,
 ) -> Floats:
-    """Moment, twist and shear (m, 3) due to a unit reaction, up, of each point (m,) without a footprint."""
+    """Moment, twist and shear (m, 3) due to a unit upward reaction of each point (m,) without a footprint."""
     result = np.zeros((len(points), 3))
     place, rows = placed(cut.elements, points.rows.elements)
     areas = [index for index, support in enumerate(supports) if support.area is not None]
@@ -273,8 +276,8 @@ def _of_supports(
 
 
 def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
-    """Whether points (q,), by index, are outline points of an area that acts on means of elements."""
-    # Other points, footprints among them, may lie outside their first element.
+    """Whether points with the indices ``rows`` (q,) are outline points of an area that acts on means of elements."""
+    # Other points, such as those of footprints, may lie outside their first element.
     result = points.averaged[rows]
     rows = rows[result]
     elements = points.rows.elements[rows]
@@ -288,9 +291,9 @@ def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
 def _shares(
     cut: Cut, mesh: Mesh, support: Support, table: ContactPoints, rows_of_support: Ints
 ) -> Iterator[tuple[Ints, Floats]]:
-    """Yield points (k,) and section forces (k, 3) due to the left parts of their unit reactions.
+    """Yield points (k,) of an area, and section forces (k, 3) due to the left parts of their unit reactions.
 
-    Reactions of an area are spread over their elements.
+    The reaction of each point is spread over the point's element.
     """
     covered = support.where.region
     left = cut.on_left(mesh, covered, GAUSS, ())
@@ -301,7 +304,7 @@ def _shares(
         on_left, covered_part = left.elements == element, whole.pick(whole.elements == element)
         in_element = rows_of_support[table.rows.elements[rows_of_support] == cut.elements[element]]
         middle, size = covered_part.positions.mean(axis=0), np.sqrt(covered_part.weights.sum())
-        # The reactions as a linear pressure over the covered part of the element, with the same resultants.
+        # The reactions become a linear pressure over the covered part of the element, with equal resultants.
         linear, basis, points = (
             np.column_stack([np.ones(len(p)), (p - middle) / size])
             for p in (left.positions[on_left], covered_part.positions, table.positions[in_element])
@@ -311,7 +314,7 @@ def _shares(
 
 
 def _deflections(mesh: Mesh, forces: Quadrature) -> Floats:
-    """Rows (q, 24) of the deflection at points, times their weights, which are forces."""
+    """Rows (q, 24) of the deflection at points, multiplied by the weights, which are forces."""
     rows = np.zeros((len(forces), 24))
     rows[:, ::3] = forces.weights[:, None] * mesh.shape_functions(forces.elements, forces.xi)
     return rows

@@ -1,1 +1,1 @@
-"""Contact of areas from the deflection field instead of quadrature points: pressure, contact area, edge of contact."""
+"""Contact of area supports, computed from the deflection field: pressure, contact area, edge of contact."""

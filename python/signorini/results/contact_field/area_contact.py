@@ -1,4 +1,4 @@
-"""Contact of areas from the deflection field instead of quadrature points: pressure, contact area, edge of contact."""
+"""Contact of area supports, computed from the deflection field: pressure, contact area, edge of contact."""
 
 from __future__ import annotations
 
@@ -23,46 +23,46 @@ from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
-"""Smallest share of an element's area on the support at which the whole element counts as on it."""
+"""Smallest part of an element's area on the support at which the whole element counts as on the support."""
 _TOUCHING = 1e-9
-"""Zero tolerance of overlaps, relative to the largest overlap or gap at the nodes: smaller overlaps have no pressure.
-"""
+"""Largest overlap that counts as zero and causes no pressure, relative to the largest overlap or gap at the nodes."""
 _ON_OUTLINE = 1e-9
-"""Largest distance of a point that counts as on the support's outline, relative to the plate's size."""
+"""Largest distance from the support's outline at which a point counts as on the outline, relative to the plate's size.
+"""
 _STRAIGHT = 1e-3
-"""Largest distance of a polyline from the edge of contact, relative to the element size."""
+"""Largest distance of a simplified polyline from the edge of contact, relative to the element size."""
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
 def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
-    """Mesh of the elements (q,) of a mesh, each once, in rising order."""
+    """Mesh of the elements (q,) of a mesh; each element is taken once, in rising order."""
     some = np.unique(elements)
     return mesh if len(some) == len(mesh.elements) else mesh.part(some)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
-    """Contact of one area support."""
+    """Contact of one area support in one solution: pressures, contact area, edge of contact."""
 
     mesh: Mesh
-    support: Support  # on an area
-    deflection: Floats  # (n,)
-    positions: Floats  # (q, 2): points of the area; on element means there is one for each element
-    elements: Ints  # (q,): the element of each point
+    support: Support  # the area support
+    deflection: Floats  # (n,): deflection of the nodes
+    positions: Floats  # (q, 2): points of the area; one for each element if ``on_means``
+    elements: Ints  # (q,): number of the element that contains each point
     weights: Floats  # (q,): area that each point represents
-    closed: Bools  # (q,)
+    closed: Bools  # (q,): whether each point is in contact
     reactions: Floats  # (q,): upward force of each point
-    on_means: bool  # whether it acts on mean deflections of elements: it is rigid, or practically rigid
-    # (ne,): elements in which the support is stiffer than the plate: there the pressure between points is not computed
-    # from the deflection
+    on_means: bool  # whether the support acts on mean deflections of elements, as rigid and practically rigid areas do
     stiff: Bools
-    ground: Mesh  # mesh of the elements that are partly on the support, see `ground_of`
+    """Mask (ne,) of elements in which the support is stiffer than the plate. In these elements the pressure between
+    points is not computed from the deflection."""
+    ground: Mesh  # mesh of the elements that are partly on the support, from `ground_of`
 
     _made = MappingProxyType({"ground": lambda area: ground_of(area.mesh, area.elements)})
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Smallest and largest pressure that the support can exert, without its limit."""
+        """Smallest and largest pressure that the support can exert if it had no limit."""
         return self._law.bounds
 
     @property
@@ -70,23 +70,23 @@ class AreaContact(Remade):
         return SupportLaw(self.support)
 
     def _exerted(self, deflection: Floats, positions: Floats) -> Floats:
-        """Pressures (..., q) of an elastic area for deflections (..., q) at positions (q, 2)."""
+        """Pressures (..., q) that an elastic area exerts for deflections (..., q) at positions (q, 2)."""
         return np.asarray(np.clip(self._law.pressure(deflection, positions), *self.bounds))
 
     @cached_property
     def covered(self) -> Floats:
-        """Area (ne,) of the support in each element."""
+        """Part (ne,) of each element's area that is on the support."""
         return np.bincount(self.elements, self.weights, len(self.mesh.elements)).astype(np.float64)
 
     @cached_property
     def element_pressure(self) -> Floats:
-        """Mean pressure (ne,) over the support's part of each element, positive up; 0 off the support."""
+        """Mean pressure (ne,) over the part of each element on the support, positive up; 0 off the support."""
         force = np.bincount(self.elements, self.reactions, len(self.covered))
         return np.asarray(force / np.where(self.covered > 0, self.covered, 1.0))
 
     @cached_property
     def on_nodes(self) -> Bools:
-        """Mask (n,) of the nodes on the area."""
+        """Mask (n,) of the nodes on the support."""
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
@@ -96,8 +96,8 @@ class AreaContact(Remade):
     def nodal(self, nodes: Ints, deflection: Floats, forces: Floats) -> Floats:
         """Pressure (..., k) of an elastic area at nodes (k,), positive up; 0 at nodes outside the area.
 
-        ``deflection`` (..., k) is that of the nodes, ``forces`` (..., q) those of the area's points. At nodes of stiff
-        elements the pressure is the mean of the elements around.
+        ``deflection`` (..., k) are the deflections of these nodes, ``forces`` (..., q) the forces of the area's points.
+        At nodes of stiff elements the pressure is the mean of the adjacent elements.
         """
         result = np.zeros(deflection.shape)
         on = self.on_nodes[nodes]
@@ -116,13 +116,13 @@ class AreaContact(Remade):
 
     @cached_property
     def largest(self) -> tuple[float, Floats]:
-        """Largest pressure over `pressure_places`, and its position (2,); 0 if the area only holds down."""
+        """Largest pressure over `pressure_places`, and its position (2,); the pressure is 0 if the area only pulls."""
         known, places = np.nan_to_num(self._measured, nan=-np.inf), self.pressure_places
         return max(float(known.max()), 0.0), places[peak(known, places)]
 
     @property
     def range(self) -> tuple[float, float]:
-        """Smallest and largest pressure, 0 included."""
+        """Smallest and largest pressure over `pressure_places` and 0."""
         return float(np.fmin.reduce(self._measured, initial=0.0)), self.largest[0]
 
     @cached_property
@@ -131,7 +131,7 @@ class AreaContact(Remade):
 
     @cached_property
     def pressure_places(self) -> Floats:
-        """Positions (p, 2) at which the pressure is computed: the area's points and, if it is elastic, its nodes."""
+        """Positions (p, 2) at which the pressure is computed: the area's points and, on an elastic area, its nodes."""
         if not self.support.is_elastic:
             return self.positions
         return np.concatenate([self.positions, self.mesh.points[self.on_nodes]])
@@ -146,7 +146,7 @@ class AreaContact(Remade):
     def pressure(self, positions: Floats) -> Floats:
         """Pressure (q,) at positions (q, 2) on the plate, positive up; NaN outside the support.
 
-        A position on the support's outline counts as on the support, whichever element contains it.
+        A position on the support's outline counts as on the support, whichever element contains the position.
         """
         covered = np.unique(self.elements)
         where = self.ground.locate(positions)
@@ -163,27 +163,28 @@ class AreaContact(Remade):
     def pressing(self, cut: Tessellation) -> Floats:
         """Pressure (v,) of an elastic area at vertices of a cut mesh, as if it acted in both directions; 0 if unknown.
 
-        The area exerts only pressures within `bounds`. The pressure without bounds is smooth and shows the edge of
-        contact.
+        The area exerts only pressures within `bounds`. The pressure without bounds is smooth; its zero line is the edge
+        of contact.
         """
         at = cut.interpolate(self.mesh.points)
         return np.nan_to_num(self._law.pressure(cut.interpolate(self.deflection), at))
 
     @cached_property
     def contact_area(self) -> float:
-        """Area in contact."""
+        """Area of the support that is in contact."""
         return float(self._areas(self.closed[None], *self._crossed_here[:3])[0])
 
     def contact_areas(self, deflection: Floats, closed: Bools) -> Floats:
-        """Areas in contact (k,), from deflections (k, n) and the mask (k, q) of closed points.
+        """Areas in contact (k,) in k solutions, from deflections (k, n) and the mask (k, q) of closed points.
 
-        Elements with every point closed count whole. In elements that the edge of contact may cross, the area is
-        measured on a grid finer than the points. An element wholly in contact has exactly the support's area in it.
+        Elements with every point closed count as a whole. In elements that the edge of contact may cross, the area is
+        computed on a grid that is finer than the points. In an element wholly in contact, the area is exactly that of
+        the support in the element.
         """
         return self._areas(closed, *self._crossed(deflection, closed, self._law)[:3])
 
     def yielding(self, yielded: Bools) -> float | None:
-        """Area in which the limit is reached, given the mask (q,) of points at the limit; None without a limit."""
+        """Area in which the limit is reached, given the mask (q,) of points at the limit; None if there is no limit."""
         if not self.support.can_yield:
             return None
         law = SupportLaw(self.support, to_limit=True)
@@ -203,8 +204,8 @@ class AreaContact(Remade):
     def contact_boundary(self) -> tuple[Floats, ...]:
         """Edge of contact: polylines (k, 2) with the contact on their left; closed ones end with their first point.
 
-        Open polylines end at the border of the support or the plate. On an elastic area they are where the deflection
-        field closes the gap, on a rigid area along sides between closed and open elements.
+        Open polylines end at the border of the support or the plate. On an elastic area the deflection field closes the
+        gap along these lines. On a rigid area the lines are sides between closed and open elements.
         """
         if self.on_means:
             segments, near = self._sides_between(), self.elements
@@ -218,7 +219,7 @@ class AreaContact(Remade):
         return tuple(thinned(line, tolerance) for line in chained(segments))
 
     def depth(self, positions: Floats) -> Floats:
-        """Depth (q,) of positions (q, 2) inside the support: ≥ 0 inside and on the outline, negative without soil."""
+        """Depth (q,) of positions (q, 2) inside the support: ≥ 0 inside and on the outline; < 0 at zero stiffness."""
         region, size = self.support.where.region, self.mesh.size
         deep = np.full(len(positions), size) if region is None else depth(region, positions) + _ON_OUTLINE * size
         return np.where(on_soil(self.support, positions), deep, -size)
@@ -229,7 +230,7 @@ class AreaContact(Remade):
 
     @cached_property
     def per_element(self) -> csr_array:
-        """Matrix (ne, q) with ones where an element contains a point."""
+        """Matrix (ne, q) with the entry 1 where an element contains a point."""
         points = np.arange(len(self.elements))
         return csr_array((np.ones(len(points)), (self.elements, points)), shape=(len(self.covered), len(points)))
 
@@ -238,9 +239,9 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None], self._law)
 
     def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
-        """Solutions (p,) and elements (p,) that the edge of contact may cross, and the shares (p,) in contact.
+        """Elements (p,) that the edge of contact may cross in solutions (p,), and their parts (p,) in contact.
 
-        Also returns the zero tolerances (k,) of the overlap.
+        Returns the numbers of solutions, elements, parts, and the zero tolerance (k,) of the overlap in each solution.
         """
         if self.on_means or not can_let_go(self.support):
             nothing = np.zeros(0, np.int64)
@@ -273,17 +274,19 @@ class AreaContact(Remade):
 
 
 _STEP = 1e-6
-"""Length of the step to a position beside a point, relative to the plate's size: more than the tolerance of outlines.
+"""Length of the step from a point to a position beside it, relative to the plate's size: longer than the tolerance of
+outlines.
 """
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
-"""Unit vectors of the step directions; common outlines run along none of them."""
+"""Unit vectors of the directions of steps; the outlines of common shapes are parallel to none of these."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:
-    """Mask (a, q) of the areas that act at positions (q, 2), given the mask ``on`` of areas that contain them.
+    """Mask (a, q) of the areas that act at positions (q, 2), given the mask ``on`` of areas that contain the positions.
 
-    ``on`` includes borders. At a common border steps are taken in a fixed order of directions. The areas at the end of
-    the first step that ends in any area act. So one area acts where two touch, and both where they overlap.
+    ``on`` includes borders. From a position on a common border, steps are taken in a fixed order of directions. The
+    first step that ends inside an area decides: the areas that contain its end act. So one area acts where two areas
+    touch, and both act where they overlap.
     """
     several = np.flatnonzero(on.sum(axis=0) > 1)
     if not len(several):
@@ -304,30 +307,30 @@ def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: 
 
 
 _ALONG = 24
-"""Number of stations along a side of an element, for its area on several overlapping rigid areas."""
+"""Number of stations along a side of an element, for the part of its area on several overlapping rigid areas."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pressures:
-    """Pressures of several areas in any number of solutions (...,), from deflections and forces of their points.
+    """Pressures of several areas in any number of solutions (...,), from deflections of nodes and forces of points.
 
-    Where areas overlap their pressures add; on a border where areas only touch, one area counts.
+    Where areas overlap, their pressures add. On a border where areas only touch, one of the areas counts.
     """
 
     areas: Sequence[AreaContact]
 
     @cached_property
     def nodes(self) -> Ints:
-        """Nodes (k,) on elastic areas."""
+        """Nodes (k,) of the plate that are on at least one elastic area."""
         return np.flatnonzero(np.any([area.on_nodes for area in self._elastic], axis=0))
 
     @cached_property
     def elements(self) -> Ints:
-        """Elements (k,) with a part of a rigid area."""
+        """Elements (k,) of which a part is on at least one rigid area."""
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
     def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
-        """Pressure (..., k) at ``nodes``, from deflections (..., k) and forces (..., p) of every area."""
+        """Pressure (..., k) at ``nodes``, from their deflections (..., k) and forces (..., p) of each area's points."""
         total = np.zeros(deflections[0].shape)
         for area, on in zip(self._elastic, self._acting, strict=True):
             own = self.areas.index(area)
@@ -335,7 +338,7 @@ class Pressures:
         return total
 
     def on_elements(self, forces: Sequence[Floats]) -> Floats:
-        """Mean pressure (..., k) over the part of ``elements`` on rigid areas, from the forces of every area."""
+        """Mean pressure (..., k) over the part of ``elements`` on rigid areas, from forces of each area's points."""
         total = np.zeros((*forces[0].shape[:-1], len(self.elements)))
         for area in self._rigid:
             total += (area.per_element[self.elements] @ forces[self.areas.index(area)].T).T
@@ -356,7 +359,7 @@ class Pressures:
 
     @cached_property
     def _part(self) -> Floats:
-        """Area (k,) of ``elements`` that is on any rigid area."""
+        """Area (k,), in each of ``elements``, that is on at least one rigid area."""
         parts = np.array([area.covered[self.elements] for area in self._rigid])
         most, least = parts.sum(axis=0), parts.max(axis=0)
         several = np.flatnonzero(most > least)

@@ -1,4 +1,4 @@
-"""Contact of the areas of supports: under load, and at rest."""
+"""Contact of area supports, under load and without load ("at rest": w = 0)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from signorini.results.support_points import SupportPoints
 def area_contact(
     discretisation: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
 ) -> AreaContact:
-    """Contact of an area, from the deflection (n,), and the positions, states and forces of its points (q,)."""
+    """Contact of an area support, from the deflection (n,), and positions, states and forces of its points (q,)."""
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     on_means = points.shares is not None or not support.is_elastic
     stiff = on_means | _stiff(discretisation, support, points)
@@ -35,14 +35,17 @@ def _ground(discretisation: Discretisation, index: int) -> Mesh:
 
 @kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area without load, for its geometry and law; computed once."""
+    """Contact of an area support without load, computed once; it has the support's geometry and law."""
     positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
     nothing = np.zeros(len(positions))
     return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
 
 
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
-    """Mask (ne,) of elements in which an area is stiffer than the plate or, if it never lets go, practically rigid."""
+    """Mask (ne,) of the elements in which an area is stiffer than the plate.
+
+    For an area that never opens, these are the elements in which the area is practically rigid.
+    """
     stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
     if support.modulus is not None:
         at, of_plate = points.elements, discretisation.plate_stiffness

@@ -1,4 +1,4 @@
-"""Elements of an elastic area that the edge of contact may cross, cut into cells and triangles."""
+"""Elements of an elastic area that the edge of contact may cross, divided into cells and triangles."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from signorini.shapes.tessellation import grid_shapes, tessellate
 
 
 def positive_part(values: Floats) -> Floats:
-    """Share of a triangle's area where the linear function with corner values (..., 3) is positive.
+    """Part of a triangle's area in which the linear function with corner values (..., 3) is positive.
 
     Examples
     --------
@@ -33,9 +33,9 @@ def positive_part(values: Floats) -> Floats:
 
 
 def both_positive_part(first: Floats, second: Floats) -> Floats:
-    """Share of a triangle's area where two linear functions with corner values (t, 3) are positive.
+    """Part of a triangle's area in which two linear functions with corner values (t, 3) are both positive.
 
-    The triangle is cut into three where the first function is zero; the second is linear on each piece.
+    The triangle is cut into three where the first function is zero; the second function is linear on each part.
 
     Examples
     --------
@@ -65,47 +65,48 @@ _Values = TypeVar("_Values", Floats, Bools)
 _FINEST = 12
 _MOST_CELLS = 1_000_000
 _AT_ONCE = 100_000
-"""Largest number of vertices in one block: their values fit into the processor's cache."""
+"""Largest number of vertices for which values are computed at once, so that they fit into the processor's cache."""
 
 
 def divisions(count: int) -> int:
-    """Number d of cells along a side, given the number of elements that are cut into d × d cells."""
+    """Number d of cells along a side of each element, given the number of elements that are divided into d² cells."""
     return int(np.clip(2 * round(np.sqrt(_MOST_CELLS / max(count, 1)) / 2), 2, _FINEST))
 
 
 class _Grid(NamedTuple):
-    """Elements (e,) cut into d × d cells of two triangles; ``triangles`` (e,) marks triangular elements."""
+    """Elements (e,) divided into d × d cells of two triangles each; ``triangles`` (e,) marks triangular elements."""
 
     shapes: Floats
     triangles: Bools
     depth: Floats
-    """Depth of vertices (e, d + 1, d + 1) inside the support."""
+    """(e, d + 1, d + 1): depth of the vertices inside the support."""
     travel: tuple[Floats, Floats]
-    """Settlement and gap at vertices."""
+    """(e, d + 1, d + 1) each: settlement and gap of the support at the vertices."""
     areas: Floats
-    """Areas (e, d, d, 2) of the triangles."""
+    """(e, d, d, 2): areas of the two triangles of each cell."""
     whole: Bools
-    """Mask (e, d, d) of the cells that are wholly within the support."""
+    """(e, d, d): mask of the cells that are wholly within the support."""
     outside: Bools
     inside: Floats
-    """Area (e,) of each element within the support."""
+    """(e,): part of each element's area that is within the support."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Search for the parts of elements of an elastic area that are in contact."""
+    """Finds the parts of elements of an elastic area that are in contact."""
 
     mesh: Mesh
     law: SupportLaw
-    covered: Bools  # (ne,): elements of which a part is on the support
-    depth: Callable[[Floats], Floats]  # depth (q,) of positions (q, 2) inside the support
+    covered: Bools  # (ne,): whether a part of each element is on the support
+    depth: Callable[[Floats], Floats]  # maps positions (q, 2) to their depths (q,) inside the support
 
     def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
-        """Solutions (p,), elements (p,), and shares (p,) in contact of the part of each element on the support.
+        """Parts (p,) in contact of the areas of elements (p,) on the support, in solutions (p,).
 
-        Inputs are deflections (k, n), the elements (k, ne) that the edge of contact may cross, and zero tolerances (k,)
-        of the overlap. Neighbours into which the edge continues are added. A share is NaN where no part of the element
-        is on the support. Overlap and depth are linear on triangles.
+        Returns the numbers of solutions, the numbers of elements, and the parts from 0 to 1. Arguments are deflections
+        (k, n), a mask (k, ne) of elements that the edge of contact may cross, and zero tolerances (k,) of the overlap.
+        Neighbours into which the edge continues are added. A part is NaN where no area of the element is on the
+        support. Overlap and depth are linear on triangles.
         """
         crossed, known = crossed.copy(), []
         cuts = np.array([divisions(int(count)) for count in crossed.sum(axis=1)])
@@ -134,7 +135,7 @@ class Cells:
             own, elements = np.nonzero(more)
 
     def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
-        """Share (p,) in contact of elements ``place`` (p,) of the grid; mask (p, 4) of sides the edge crosses."""
+        """Parts (p,) in contact of elements ``place`` (p,) of the grid, and mask (p, 4) of sides the edge crosses."""
         values = nodal @ grid.shapes[0].T
         if grid.triangles.any():
             of_triangle = grid.triangles[place]
@@ -147,13 +148,13 @@ class Cells:
         low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
         whole = (low >= 0) & (high > 0) & grid.whole[place]
         pressed = np.einsum("pijt,pij->p", grid.areas[place], whole)
-        # An unknown overlap is not a zero overlap.
+        # Cells whose overlap is unknown (NaN) are included; their area in contact becomes 0 below.
         at, i, j = np.nonzero(~(whole | (high < 0) | grid.outside[place]))
         which = place[at], i, j
         over = _of_triangles([corner[at, i, j] for corner in corners])
         deep = _of_triangles([corner[which] for corner in _corners(grid.depth)])
         area = np.where(np.isnan(over).any(axis=-1), 0.0, grid.areas[which])
-        # A triangle with zero overlap at all corners is in contact if a triangle beside it is.
+        # A triangle with zero overlap at all corners is in contact if an adjacent triangle is in contact.
         touches = (over == 0.0).all(axis=-1)
         if touches.any():
             cells = np.flatnonzero(touches.any(axis=1))
@@ -190,7 +191,7 @@ class Cells:
 
     @property
     def _across(self) -> Ints:
-        """Neighbour (ne, 4) at each side of an element; −1 without one."""
+        """Neighbour (ne, 4) of each element at each of its sides; −1 on the boundary."""
         elements = self.mesh.elements
         real, middles = real_sides(elements), elements[:, 4:]
         owner = np.arange(len(elements))[:, None] + 1
@@ -199,18 +200,21 @@ class Cells:
 
 
 def _corners(values: _Values) -> list[_Values]:
-    """Take values (e, d + 1, d + 1) at vertices to the four corners of cells (e, d, d), counter-clockwise."""
+    """Values (e, d, d) at each of the four corners of all cells, counter-clockwise, from values at vertices.
+
+    ``values`` (e, d + 1, d + 1) are those at the vertices of the grid.
+    """
     return [values[:, :-1, :-1], values[:, :-1, 1:], values[:, 1:, 1:], values[:, 1:, :-1]]
 
 
 def _of_triangles(corners: list[_Values]) -> _Values:
-    """Take values (...) at the four corners of cells to the corners of their two triangles (..., 2, 3)."""
+    """Values (..., 2, 3) at the corners of a cell's two triangles, from values (...) at the cell's four corners."""
     a, b, c, d = corners
     return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=-2)
 
 
 def _beside(pressed: Bools) -> Bools:
-    """Mask (e, d + 1, d + 1) of the vertices of all triangles with a pressed vertex."""
+    """Mask (e, d + 1, d + 1) of the vertices of those triangles that have at least one pressed vertex."""
     beside = np.zeros_like(pressed)
     a, b, c, d = _corners(pressed)
     first, second = a | b | c, a | c | d
@@ -220,13 +224,13 @@ def _beside(pressed: Bools) -> Bools:
 
 
 def edge_of_contact(mesh: Mesh, law: SupportLaw, elements: Ints, deflection: Floats, touching: float) -> Segments:
-    """Find the edge of contact of an elastic area in elements; overlaps of at most ``touching`` count as zero."""
+    """Find the edge of contact of an elastic area within elements; overlaps of at most ``touching`` count as zero."""
     cut = tessellate(mesh.elements[elements], divisions(len(elements)))
     positions = cut.interpolate(mesh.points)
     values = law.overlap(cut.interpolate(deflection), law.travel(positions))
     values[np.abs(values) <= touching] = 0.0
     pressed = values > 0
-    # Parts with zero overlap count as contact if they adjoin parts with a positive overlap.
+    # Triangles with zero overlap count as in contact if an adjacent triangle has a positive overlap.
     beside = np.zeros_like(pressed)
     beside[cut.triangles[pressed[cut.triangles].any(axis=1)]] = True
     known = cut.triangles[~np.isnan(values[cut.triangles]).any(axis=1)]

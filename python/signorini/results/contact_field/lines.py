@@ -1,4 +1,4 @@
-"""Lines along which a function on triangles changes sign, as polylines."""
+"""Lines along which a function that is linear on triangles changes its sign, as polylines."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _PASSES = 4
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Directed segments: points (k, 2), and pairs (s, 2) of their numbers, begin and end.
+    """Directed segments: points (k, 2), and pairs (s, 2) of their numbers.
 
-    Consecutive segments share a point.
+    A pair is the begin and the end of a segment. Consecutive segments have a common point.
     """
 
     points: Floats
@@ -23,10 +23,10 @@ class Segments:
 
 
 def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) -> Segments:
-    """Find where the linear functions on triangles are zero, with the inside on the left.
+    """Find the segments along which linear functions on triangles are zero, with the inside on their left.
 
-    The values (v,) are positive inside, negative outside, or zero. Triangles (t, 3) are counter-clockwise. Triangles
-    without a negative value have no line.
+    The values (v,) at vertices are positive inside, negative outside, or zero. Triangles (t, 3) are counter-clockwise.
+    Triangles without a negative value have no segment.
     """
     sides = inside[triangles]
     crossed = sides.any(axis=1) & (values[triangles] < 0).any(axis=1)
@@ -43,7 +43,7 @@ def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) ->
 
 
 def clipped(segments: Segments, depth: Floats) -> Segments:
-    """Keep the parts of lines where ``depth`` (k,), linear between its points, is at least zero."""
+    """Keep the parts of segments in which ``depth`` (k,), linear between the points, is at least zero."""
     pairs, within = segments.pairs, depth >= 0
     whole = within[pairs].all(axis=1)
     cut = within[pairs[:, 0]] != within[pairs[:, 1]]
@@ -55,7 +55,7 @@ def clipped(segments: Segments, depth: Floats) -> Segments:
 
 
 def chained(segments: Segments) -> list[Floats]:
-    """Join segments into polylines (k, 2); the last point of a closed one is its first.
+    """Join segments into polylines (k, 2); the last point of a closed polyline is its first point.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def chained(segments: Segments) -> list[Floats]:
 
 
 def thinned(line: Floats, tolerance: float) -> Floats:
-    """Remove points of a polyline (k, 2) that are within a tolerance of the chord between their neighbours."""
+    """Remove points of a polyline (k, 2) that are nearer than a tolerance to the chord between their neighbours."""
     for _ in range(_PASSES):
         before, point, after = line[:-2:2], line[1:-1:2], line[2::2]
         chord, offset = after - before, point - before
