@@ -2,6 +2,7 @@
 
 from signorini._core import LcpSolution, __version__
 from signorini.accuracy.comparison import Estimate, PathEstimate
+from signorini.analysis.checks import CheckResult, check_results
 from signorini.analysis.estimate import Estimates, estimate
 from signorini.analysis.path import path
 from signorini.analysis.recover import recover
@@ -33,15 +34,15 @@ from signorini.singularities.singularity import Singularity
 
 # fmt: off
 __all__ = [
-    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
-    "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
-    "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
-    "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
-    "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
-    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
-    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
-    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
-    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
-    "tightened", "validate", "with_rows", "write",
+    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Check",
+    "CheckResult", "Circle", "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate",
+    "Estimates", "ExactPath", "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution",
+    "Load", "LoadPath", "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving",
+    "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop",
+    "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate",
+    "Refinement", "Result", "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity",
+    "Solver", "StationResult", "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold",
+    "Tightening", "Units", "Zone", "__version__", "check_results", "contact_problem", "estimate", "lemke", "load",
+    "loads", "path", "recover", "schema", "solve", "tightened", "validate", "with_rows", "write",
 ]
 # fmt: on

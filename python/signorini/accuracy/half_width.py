@@ -212,6 +212,7 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
         "pressure": max(map(size, areas), default=0.0),
         "per_length": max((size(s.line.reactions) for s in result.supports if s.line is not None), default=0.0),
         "area": float(result.mesh.element_area.sum()),
+        "length": scale,
         "part": 1.0,
         "count": 0.0,
         "angle": 0.0,
@@ -244,7 +245,7 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
     return (
         result
         | _stresses(model, mesh, result)
-        | {"area": none + mesh.element_area.sum(), "part": none + 1.0, "count": none}
+        | {"area": none + mesh.element_area.sum(), "length": none + mesh.size, "part": none + 1.0, "count": none}
     )
 
 

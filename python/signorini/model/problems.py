@@ -48,7 +48,10 @@ def as_list(value: Any) -> Any:
 _MAX_EXPLAINED = 1000
 """Largest number of pydantic's errors that are converted; the message counts the others."""
 
-LISTS = ("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip")
+LISTS = (
+    *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
+    "check",
+)
 """Tables in double brackets: [[zone]], [[support]], ..."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}

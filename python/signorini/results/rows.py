@@ -19,7 +19,17 @@ from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
+from signorini.results.quantities import (
+    ENDS,
+    FIELDS,
+    OF_AREAS,
+    OF_LINES,
+    PEAKING,
+    SIDES,
+    Catalogue,
+    Home,
+    checked_fields,
+)
 from signorini.results.readings import Readings, nodes_around
 from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
@@ -144,9 +154,9 @@ class Layout:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model; extremes are those of the fields in ``output.envelope``."""
+        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``."""
         asked: Sequence[str] = discretisation.model.output.envelope
-        fields = tuple(name for name in FIELDS if name in asked)
+        fields = tuple(name for name in FIELDS if name in (*asked, *checked_fields(discretisation.model)))
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
         # With several plates, areas are in the results of each plate.
