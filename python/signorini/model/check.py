@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -44,7 +44,7 @@ Texts = Annotated[
 class Check(base.Named):
     """A check of a field or of a number: utilisation = value / limit in every combination."""
 
-    of: Literal["overturning"] | base.Text = Field(
+    of: base.Text = Field(
         description='What is checked: a field such as "von_mises", a number such as "soil.max_pressure", all points of '
         'a support as "anchors[*].reaction", or "overturning" with the key grows.'
     )

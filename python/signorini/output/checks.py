@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from signorini.analysis.checks import check_results
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.output.names import csv_text, name_cell
+from signorini.output.names import CHECKS, csv_text, name_cell
 
 _COLUMNS = (
     *("name", "of", "value", "limit", "utilisation", "plus_minus", "governing", "place", "x", "y"),
@@ -22,11 +23,12 @@ def checks_json(results: Results, estimates: Estimates | None) -> list[dict[str,
     return [one | {"place": list(one["place"]) if isinstance(one["place"], tuple) else one["place"]} for one in each]
 
 
-def checks_csv(results: Results, estimates: Estimates | None) -> str:
-    """Return the checks as comma-separated values, one row each; a field has the position x, y of its extreme."""
+def write_checks(results: Results, estimates: Estimates | None, directory: Path) -> None:
+    """Write checks.csv if there are checks: a row each, with the position x, y of the extreme of a field."""
     rows = []
     for one in check_results(results, estimates):
         x, y = one.place if isinstance(one.place, tuple) else (None, None)
         texts = {key: name_cell(text) for key, text in asdict(one).items() if isinstance(text, str)}
         rows.append(asdict(one) | {"place": None, "x": x, "y": y} | texts)
-    return csv_text(_COLUMNS, rows)
+    if rows:
+        (directory / CHECKS).write_text(csv_text(_COLUMNS, rows), encoding="utf-8")

@@ -16,23 +16,12 @@ from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing_together
 from signorini.errors import InputError
-from signorini.output.checks import checks_csv
+from signorini.output.checks import write_checks
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
-from signorini.output.names import (
-    CHECKS,
-    CSV,
-    GOVERNING,
-    JSON,
-    PROFILES_CSV,
-    TABLE,
-    Chosen,
-    Pictures,
-    envelope_files,
-    slugs,
-)
+from signorini.output.names import CSV, GOVERNING, JSON, PROFILES_CSV, TABLE, Chosen, Pictures, envelope_files, slugs
 from signorini.output.pictures import draw_profiles, jobs_of, profiles_csv, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
@@ -159,8 +148,7 @@ def write_results(
             (beside / CSV).write_text(reactions_csv(results, estimates), encoding="utf-8")
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results, estimates), encoding="utf-8")
-            if results.model.check:
-                (beside / CHECKS).write_text(checks_csv(results, estimates), encoding="utf-8")
+            write_checks(results, estimates, beside)
             (beside / JSON).write_text(
                 json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8"
             )

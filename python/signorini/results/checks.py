@@ -12,9 +12,9 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.stability import load_factors
 from signorini.errors import InputError
-from signorini.model import Check, Combination
+from signorini.model import Check, Combination, Model
 from signorini.model.check import OVERTURNING
-from signorini.results.quantities import Catalogue, measures
+from signorini.results.quantities import ENDS, FIELDS, TOLD, Catalogue, measures, on_plate
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +58,13 @@ def checks_in(catalogue: Catalogue) -> tuple[CheckedNumbers, ...]:
         if measured:
             result.append(CheckedNumbers(check, np.array(measured, np.int64), value, own["utilisation"]))
     return tuple(result)
+
+
+def checked_fields(model: Model) -> tuple[str, ...]:
+    """Names of the fields whose extremes are checked."""
+    subjects = {on_plate(name, plate): name for name in TOLD for plate in ("", *model.plates)}
+    wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
+    return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
 
 
 def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combination] | None = None) -> Floats:

@@ -15,9 +15,9 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
-from signorini.results.checks import checks_in, completed
+from signorini.results.checks import checked_fields, checks_in, completed
 from signorini.results.extremes import extremes_under, peak
-from signorini.results.quantities import EXTREMES, FIELDS, Catalogue, Home, checked_fields
+from signorini.results.quantities import EXTREMES, FIELDS, Catalogue, Home
 from signorini.results.readings import Readings, SupportForces
 from signorini.singularities.beside import PEAKS
 

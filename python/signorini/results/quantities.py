@@ -438,13 +438,6 @@ def of_support(support: Support) -> tuple[Quantity, ...]:
     return OF_SUPPORTS + (OF_AREAS + OF_RESULTANTS) * area + OF_LINES * support.along_line + limited + OF_BOLTS * bolt
 
 
-def checked_fields(model: Model) -> tuple[str, ...]:
-    """Names of the fields whose extremes are checked."""
-    subjects = {on_plate(name, plate): name for name in TOLD for plate in ("", *model.plates)}
-    wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
-    return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
-
-
 def measures(check: Check, number: Number) -> bool:
     """Whether a check is of a number: by its name, ``[*]`` for every index, or as an extreme of the checked field."""
     if number.home in EXTREMES and number.subject == check.of:

@@ -16,20 +16,11 @@ from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
+from signorini.results.checks import checked_fields
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import (
-    ENDS,
-    FIELDS,
-    OF_AREAS,
-    OF_LINES,
-    PEAKING,
-    SIDES,
-    Catalogue,
-    Home,
-    checked_fields,
-)
+from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
 from signorini.results.readings import Readings, nodes_around
 from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
