@@ -32,7 +32,7 @@ __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Check", "Circle", "Combination", "Combinations",
     "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
     "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
-    "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units",
-    "Zone", "validate",
+    "Punching", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
+    "Units", "Zone", "validate",
 ]
 # fmt: on

@@ -492,15 +492,6 @@ class SupportReading:
             result.append((sums @ pressure.T).T)
         return np.concatenate(result)
 
-    @property
-    def applied(self) -> tuple[Floats, Floats]:
-        """Upward forces (k, q) of held nodes, springs and contact points, and their positions (q, 2)."""
-        points, found = self.points, self.of.discretisation
-        places = [found.mesh.points[points.nodes], found.springs.positions[points.springs]]
-        positions = np.concatenate([*places, found.points.positions[points.rows[0]]])
-        each = replace(points, shares=None, order=np.arange(len(positions)))
-        return each.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared), positions
-
     @cached_property
     def eccentricity(self) -> Floats:
         """Eccentricity (k, 2) of the resultant about the centroid of the area; NaN without an upward resultant."""
