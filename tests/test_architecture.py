@@ -18,6 +18,7 @@ PACKAGE = ROOT / "python" / "signorini"
 LAYERS = (
     {"errors", "_core"},
     {"base", "expression", "shapes"},
+    {"design"},
     {"plot"},
     {"mesh", "model"},
     {"discretise", "formats"},
@@ -33,7 +34,11 @@ LAYERS = (
     {"__main__"},
 )
 # Modules that take arrays and know no other part of the package.
-ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
+ALONE = {
+    "shapes": {"errors", "_core"},
+    "design": {"base", "errors", "shapes"},
+    "plot": {"base", "errors", "shapes", "_core"},
+}
 # Packages that only these modules may import.
 ONLY_IN = {
     "ezdxf": {"importers"},

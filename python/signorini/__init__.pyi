@@ -33,9 +33,9 @@ from signorini.singularities.singularity import Singularity
 
 # fmt: off
 __all__ = [
-    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
+    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Case", "Catalogue", "Certificate", "Circle",
     "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
-    "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
+    "FieldExtremes", "FieldTable", "Form", "Gamma", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
     "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
     "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
     "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",

@@ -1,0 +1,1 @@
+"""Clauses of design codes: functions of numbers and arrays, each with the number of its clause."""
