@@ -21,8 +21,8 @@ _QUANTITIES = """# Numbers of results
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
 
 Units are F (force) and L (length). Owners in the examples are the supports `AREA`, `LINE` (an edge, line or circle) and
-`POINTS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and of
-[thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
+`POINTS`, the columns `COLUMNS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and
+of [thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
 `combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
 _MODEL = """
 units = { length = "L", force = "F" }
@@ -38,6 +38,15 @@ support = [
   { name = "LINE", edge = "left", fix = "simple" },
   { name = "POINTS", at = [3, 2], resists = "up", limit = 50, preload = 5, rotational_stiffness = 100 },
 ]
+"""
+
+_COLUMNS = """
+units = { length = "m", force = "kN" }
+material = { E = 3e7, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+load = [{ pressure = 2 }]
+support = [{ name = "COLUMNS", at = [[1, 1], [3, 1], [2, 3]], radius = 0.2 }]
+punching = [{ support = "COLUMNS", code = "ACI 318-19", d = [0.15, 0.15], fck = 3e4, fyk = 4e5 }]
 """
 
 
@@ -103,10 +112,11 @@ def _path(number: Number) -> str:
 def quantities() -> str:
     """Return docs/quantities.md, from a model with supports, sections and so on of all kinds."""
     model, lines = signorini.loads(_MODEL), [_QUANTITIES]
-    numbers = signorini.solve(model)["all"].catalogue
+    every = [signorini.solve(one)["all"].catalogue for one in (model, signorini.loads(_COLUMNS))]
+    numbers = [*every[0], *every[1].only(lambda one: one.home == "punching")]
     for home in dict.fromkeys(one.home for one in numbers):
         lines.append(_section(home.capitalize(), "name", "number", "unit", "path", "column"))
-        first = {(one.owner, _path(one)): one for one in reversed(numbers.numbers) if one.home == home}
+        first = {(one.owner, _path(one)): one for one in reversed(numbers) if one.home == home}
         for (_, path), one in reversed(first.items()):
             cells = f"`{one.name}` | {one.quantity.words} | {one.quantity.unit(model.units)} | `{path}`"
             lines.append(f"| {cells} | {f'`{one.column}`' if one.tabled else ''} |")

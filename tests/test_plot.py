@@ -444,7 +444,7 @@ def test_the_outline_of_an_area_is_closed_where_its_points_are() -> None:
     soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e5}
     load = [{"pressure": 1e3}, {"force": 3e5, "at": [3.5, 3.5], "patch": [0.5, 0.5]}]
     result = solve(rectangular(divisions=[8, 8], support=[soil], load=load))["all"]
-    (mark,) = support_marks(result.mesh, result.model.support, result.supports)
+    (mark,) = support_marks(result)
     pressed = result.pressure(np.clip(mark.positions[1:], 0, 4)) > 0
     assert mark.closed is not None
     assert 0.2 < pressed.mean() < 0.8

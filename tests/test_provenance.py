@@ -48,7 +48,7 @@ def test_every_file_of_a_solve_carries_program_version_and_input(file: Path, run
     assert told["program"]["name"] == "signorini" and told["program"]["version"] == signorini.__version__
     assert (told["input"]["file"], told["input"]["sha256"]) == (file.name, sha256)
     assert validate(told["input"]["model"]) == signorini.load(file)
-    assert told["options"] == {"pictures": "governing"}
+    assert told["options"] == {"pictures": "governing", "xlsx": False}
     software, seen = f"signorini {signorini.__version__}", set()
     for one in runs[0].iterdir():
         seen.add(one.suffix)

@@ -18,6 +18,7 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.formats.inputfile import load, loads, schema
 from signorini.mesh.mesh import Mesh
 from signorini.model import *
+from signorini.output.verification import Difference, Verification, verify
 from signorini.output.writing import write
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.exact_path import ExactPath
@@ -26,6 +27,7 @@ from signorini.results.load_path import LoadPath
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StationResult, StripResult
 from signorini.results.path_events import PathEvent, Threshold
 from signorini.results.path_stop import PathStop
+from signorini.results.punching import ColumnResult
 from signorini.results.quantities import Catalogue
 from signorini.results.result import Result
 from signorini.results.support_result import EdgeCouples, SupportResult
@@ -34,14 +36,14 @@ from signorini.singularities.singularity import Singularity
 # fmt: off
 __all__ = [
     "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Case", "Catalogue", "Certificate", "Circle",
-    "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
-    "FieldExtremes", "FieldTable", "Form", "Gamma", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
-    "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
-    "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
-    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
-    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
-    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
-    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
-    "tightened", "validate", "with_rows", "write",
+    "ColumnResult", "Combination", "Contact", "ContactProblem", "Difference", "DiscPlate", "EdgeCouples", "Estimate",
+    "Estimates", "ExactPath", "FieldExtremes", "FieldTable", "Form", "Gamma", "Hole", "InputError", "Lcp",
+    "LcpSolution", "Load", "LoadPath", "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving",
+    "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop",
+    "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "Punching",
+    "RectanglePlate", "Refinement", "Result", "Results", "RowProblem", "Section", "SectionResult", "SignoriniError",
+    "Singularity", "Solver", "StationResult", "Stiffness", "Strip", "StripResult", "Support", "SupportResult",
+    "Threshold", "Tightening", "Units", "Verification", "Zone", "__version__", "contact_problem", "estimate", "lemke",
+    "load", "loads", "path", "recover", "schema", "solve", "tightened", "validate", "verify", "with_rows", "write",
 ]
 # fmt: on

@@ -79,7 +79,7 @@ class Estimate(Brief):
         return self.result.to_dataframe().assign(plus_minus=self.widths)
 
     def _repr_html_(self) -> str:
-        """Show a table of the supports with half-widths in a notebook."""
+        """Show the result with half-widths in a notebook."""
         return in_notebook(self.result, self.plus_minus, words.compared(self.elements, True))
 
 

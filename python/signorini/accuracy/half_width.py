@@ -216,6 +216,7 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
         "pressure": max(map(size, areas), default=0.0),
         "per_length": max((size(s.line.reactions) for s in result.supports if s.line is not None), default=0.0),
         "area": float(result.mesh.element_area.sum()),
+        "length": scale,
         "part": 1.0,
         "count": 0.0,
         "angle": 0.0,
@@ -305,6 +306,8 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
             case "station":
                 strip = model.strip[one.owner]
                 whose = f"strip {strip.name} at {point(strip.places[0][one.part])}"
+            case "punching":
+                whose = model.columns[one.owner].subject
             case "support":
                 whose = model.support[one.owner].name
             case "corner":

@@ -19,14 +19,22 @@ from signorini.contact.problem import ContactProblem, unfactored
 from signorini.discretise import discretise
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.errors import InputError
-from signorini.model import Combination, Output
+from signorini.model import Combination, Model, Output
 from signorini.results.envelope import Envelope, States
 from signorini.results.frames import dataframe, dataset
+from signorini.results.notebook import in_notebook
 from signorini.results.result import Result
 from signorini.results.rows import Column
 
+_PICTURED = 4
+"""Largest number of results with pictures in a notebook."""
 _KEPT = 12
 """Largest number of results computed on access that are kept in memory; each has all fields at all nodes."""
+
+
+def alone(model: Model, combination: Combination) -> Model:
+    """Variant of a model with one combination, which has all results."""
+    return model.varied(combination=(combination,), output=Output(combinations="each"))
 
 
 @checked
@@ -223,11 +231,11 @@ class Results(States[str], Mapping[str, Result]):
         if any(one.between for one in result.model.support) and not result.plates:
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")
         own = result.combination or Combination(name=result.name, factors={})
-        output = Output(combinations="each")
-        model = result.model.original.varied(combination=(own,), output=output)
+        model = alone(result.model.original, own)
         discretisation = discretise(model, None if result.plates else result.mesh)
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 
     def _repr_html_(self) -> str:
-        """Show tables of the supports of the results in ``full`` in a notebook."""
-        return "".join(result._repr_html_() for result in self.full.values())
+        """Show the results in ``full`` in a notebook; many results have no pictures."""
+        pictured = len(self.full) <= _PICTURED
+        return "".join(in_notebook(result, None, "", pictured=pictured) for result in self.full.values())

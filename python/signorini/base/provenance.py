@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import hashlib
 import json
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 from signorini._core import __version__
+from signorini.base.regular import open_regular
 
 PROGRAM = "signorini"
+FUNCTION = "function"
+"""Key of the table that stands for a Python function, with its name, in the JSON of an input."""
+_LARGEST_FILE = 4_000_000_000
+"""Largest size in bytes of a file that an input names: that of a mesh file."""
+LARGEST_EMBEDDED = 20_000_000
+"""Largest size in bytes of a file that is embedded in results."""
+_LARGEST_PACKED = 1_000_000
+"""Largest size in bytes of an embedded file after compression."""
 _SOURCES = Path(__file__).resolve().parents[3]
 """The repository, if the package runs from its sources."""
 
@@ -54,15 +65,21 @@ class Provenance:
     @classmethod
     def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None) -> Self:
         """Return the provenance of the input's tables, with the name and the SHA-256 of its file."""
-        text = json.dumps(tables, separators=(",", ":"), ensure_ascii=False, default=_name)
-        name, sha256 = file or (None, hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest())
+        text = _compact(tables)
+        name, sha256 = file or (None, _sha256(text))
         return cls(name, sha256, text)
 
     def json(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """The keys "program", "input" and "options" of ``results.json`` and ``path.json``."""
         return {
             "program": {"name": PROGRAM, "version": __version__, "commit": commit()},
-            "input": {"file": self.file, "sha256": self.sha256, "model": json.loads(self.text)},
+            "input": {
+                "file": self.file,
+                "sha256": self.sha256,
+                "model": (model := json.loads(self.text)),
+                "model_sha256": sha256_of(model),
+                "files": [_embedded(file) for file in dict.fromkeys(one["file"] for one in tables_with("file", model))],
+            },
             "options": dict(options),
         }
 
@@ -73,6 +90,43 @@ class Provenance:
         return {name: text for name, text in known.items() if text} | {"Input-SHA256": self.sha256}
 
 
-def _name(value: object) -> str:
-    """Name of a path or a function; JSON cannot represent the object itself."""
-    return str(value) if isinstance(value, Path) else getattr(value, "__qualname__", type(value).__name__)
+def sha256_of(model: Any) -> str:
+    """SHA-256 of the compact JSON of an input."""
+    return _sha256(_compact(model))
+
+
+def tables_with(key: str, node: Any) -> Iterator[dict[str, Any]]:
+    """Yield the tables of an input that have a text under a key: "file" names mesh files and CSV files."""
+    if isinstance(node, dict) and isinstance(node.get(key), str):
+        yield node
+    for value in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        yield from tables_with(key, value)
+
+
+def _embedded(file: str) -> dict[str, str | None]:
+    """JSON of a file that the input names: SHA-256, and content as base64 of gzip; None if unreadable or too large."""
+    try:
+        with open_regular(file, _LARGEST_FILE) as opened:
+            sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
+            small = opened.tell() <= LARGEST_EMBEDDED
+            opened.seek(0)
+            packed = gzip.compress(opened.read(), mtime=0) if small else b""
+    except OSError:
+        return {"file": file, "sha256": None, "gzip": None}
+    embedded = small and len(packed) <= _LARGEST_PACKED
+    return {"file": file, "sha256": sha256, "gzip": base64.b64encode(packed).decode("ascii") if embedded else None}
+
+
+def _compact(tables: Mapping[str, Any]) -> str:
+    return json.dumps(tables, separators=(",", ":"), ensure_ascii=False, default=_plain)
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _plain(value: object) -> object:
+    """Convert a path or a function, for which JSON has no value."""
+    if isinstance(value, Path):
+        return str(value)
+    return {FUNCTION: getattr(value, "__qualname__", type(value).__name__)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from typing import BinaryIO
+from io import BufferedReader
 
 _KINDS = {
     stat.S_IFIFO: "a pipe (FIFO)",
@@ -15,7 +15,7 @@ _KINDS = {
 }
 
 
-def open_regular(path: str | os.PathLike[str], largest: int) -> BinaryIO:
+def open_regular(path: str | os.PathLike[str], largest: int) -> BufferedReader:
     """Open a regular file, or a link to a regular file, of at most ``largest`` bytes.
 
     Other files raise an OSError, whose ``strerror`` names the kind of file found and the kind allowed.

@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, import-dxf, schema."""
+"""The command line: solve, check, path, verify, import-dxf, schema."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Annotated, Literal
 
 import typer
 
 import signorini
+from signorini.base.packages import package
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
@@ -58,6 +60,9 @@ app = typer.Typer(
 
 NoError = Annotated[
     bool, typer.Option("--no-error", help="Do not estimate mesh errors (±), as with mesh.error = false.")
+]
+Threads = Annotated[
+    int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
 ]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
@@ -103,9 +108,7 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
-    ] = None,
+    threads: Threads = None,
     pictures: Annotated[
         Literal["all", "governing", "none"] | None,
         typer.Option(
@@ -113,6 +116,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
@@ -129,9 +133,9 @@ def solve(
         from signorini.output.names import TABLE
         from signorini.output.writing import write_results
 
-        if threads is not None:
-            # Rust reads this variable when its threads start, at their first use.
-            os.environ["RAYON_NUM_THREADS"] = str(threads)
+        if xlsx:
+            package("xlsxwriter")
+        _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
@@ -141,7 +145,7 @@ def solve(
                     results = signorini.solve(model, progress=show, table=table)
                     estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, artist.drawn if artist else None)
+                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
@@ -263,6 +267,39 @@ def path(
                     "reactions at the contact points of this mesh do not. Refine the mesh at the supports"
                 )
             raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond it {why}.")
+
+
+@app.command(
+    short_help="Solve the model in results again, compare all numbers.",
+    epilog="Example: signorini verify slab-results/results.json. Exit codes: 0 equal, 1 not equal, 2 bad file.",
+)
+def verify(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A results.json, a path.json or a report.", show_default=False)
+    ],
+    threads: Threads = None,
+) -> None:
+    """Solve the model that is embedded in a file of results, with the same options; name every value that differs.
+
+    Differences by rounding, up to 1e-7 of the largest number of the same kind, count as equal.
+    """
+    with _messages():
+        from signorini.cli.verification import print_verification
+        from signorini.output.verification import verified
+
+        _limit(threads)
+        with TemporaryDirectory() as room, progress_line() as show, interrupts.exit_on_signal(Path(room)):
+            verification = verified(file, show, Path(room))
+        print_verification(streams.stdout(), verification)
+        if not verification.equal:
+            raise typer.Exit(1)
+
+
+def _limit(threads: int | None) -> None:
+    """Limit the threads of the core."""
+    if threads is not None:
+        # Rust reads this variable when its threads start, at their first use.
+        os.environ["RAYON_NUM_THREADS"] = str(threads)
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:

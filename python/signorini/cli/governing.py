@@ -341,3 +341,14 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
                 cells.append(labels.cell(moments[station][f"{end}_by"]))
             shown.add(strip["name"], *cells)
         shown.show(console, apart=True)
+    if punched := envelope.get("punching"):
+        shown = Grid(
+            [Column("column"), *numbers("largest utilisation"), by, *numbers(f"force{in_unit(units.force)}"), by]
+        )
+        for index, column in enumerate(punched):
+            shown_ends: list[Any] = []
+            for key in ("utilisation", "force"):
+                value, where_in = column[key]["max"], ("punching", index, key, "max")
+                shown_ends += [cell(value, widths, where_in, value), labels.cell(column[key]["max_by"])]
+            shown.add(column["name"], *shown_ends)
+        shown.show(console, apart=True)

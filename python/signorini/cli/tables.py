@@ -32,6 +32,7 @@ from signorini.results.quantities import (
     LINEAR,
     MEAN_SIDES,
     MEANS,
+    OF_SHEAR,
     RESULTANTS,
     THROUGH,
     place_of,
@@ -419,6 +420,13 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
                 cells.append(cell(station.moment, widths, ("strips", index, key), largest["moment"], 5))
                 cells.append(point(station.at, size))
             shown.add(strip.name, *cells)
+        shown.show(console)
+    if result.punching:
+        console.print()
+        shown = Grid([Column("column"), *numbers(*(in_title(quantity, units) for quantity in OF_SHEAR))])
+        for index, column in enumerate(result.punching):
+            values = ((each, column.numbers[each.name], ("punching", index, each.name)) for each in OF_SHEAR)
+            shown.add(column.name, *(cell(value, widths, path, largest[each.kind]) for each, value, path in values))
         shown.show(console)
 
 

@@ -23,6 +23,7 @@ from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
 from signorini.discretise.points import ContactPoints, Parts, parts_of
 from signorini.discretise.preloads import require_preloads
+from signorini.discretise.punching import Columns
 from signorini.discretise.repeated import (
     Repeated,
     Shared,
@@ -70,6 +71,7 @@ class Discretisation(Remade):
     contacts: ContactPoints
     repeated: Repeated
     sections: Sections
+    columns: Columns
     cases: Cases
     probes: Location
     probe_positions: Floats
@@ -362,7 +364,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     supported = SupportedPlate(model.plate, mesh, plate, held, stiffness)
     springs, contacts = springs_and_contacts(supported, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
-    static = case_loads(zones, mesh, plate, held, sections, loaded, problems)
+    columns = Columns.of(model, mesh, problems)
+    static = case_loads(zones, mesh, plate, held, sections, columns, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):
         with problems.collected():
@@ -396,7 +399,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
         contacts,
         repeated,
         sections,
-        Cases(static, model.moving, mesh, sections),
+        columns,
+        Cases(static, model.moving, mesh, sections, columns),
         Location(np.concatenate([where.elements for where in probes]), np.concatenate([where.xi for where in probes])),
         np.array([position for probe in model.probe for position in probe.at]).reshape(-1, 2),
         seconds,

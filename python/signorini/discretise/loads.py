@@ -11,6 +11,7 @@ from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.placed import Footprints
 from signorini.discretise.places import along_curve, in_area, located, mesh_edges
+from signorini.discretise.punching import Columns
 from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
@@ -46,6 +47,7 @@ class CaseLoad:
     (2e,) couples on the centre rotations of elements. ``weighing`` (3n,) is the part of ``nodal`` that can have a
     resultant: it excludes stress-free curvatures and self-equilibrated loads. ``through`` (3s,) is the direct
     contribution of the load to moment, twist and shear of each section, in addition to that of nodal forces.
+    ``on_columns`` (r + 3c,) are its numbers of `Columns`.
     ``plates`` are the loads on each of several plates; curvatures and sections are stored there only.
     """
 
@@ -56,6 +58,7 @@ class CaseLoad:
     through: Floats = field(default_factory=lambda: np.zeros(()))
     acting: frozenset[str] = frozenset()
     plates: tuple[CaseLoad, ...] = ()
+    on_columns: Floats = field(default_factory=lambda: np.zeros(()))
 
     @classmethod
     def none(cls, nodes: int, elements: int) -> CaseLoad:
@@ -92,6 +95,7 @@ class CaseLoad:
             self.through + other.through,
             self.acting | other.acting,
             tuple(load + added for load, added in zip(self.plates, other.plates, strict=True)),
+            self.on_columns + other.on_columns,
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
@@ -101,7 +105,8 @@ class CaseLoad:
         acting = self.acting if factor else frozenset()
         through = factor * self.through
         plates = tuple(factor * load for load in self.plates)
-        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, through, acting, plates)
+        rest = through, acting, plates, factor * self.on_columns
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, *rest)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:
@@ -129,6 +134,7 @@ def case_loads(
     plate: _core.Plate,
     held: Held,
     sections: Sections,
+    columns: Columns,
     sides: Mapping[int, Ints | None],
     problems: Problems,
 ) -> dict[str, CaseLoad]:
@@ -140,12 +146,19 @@ def case_loads(
     for index, sides_of_load in sides.items():
         load = model.load[index]
         with problems.collected():
-            onto = Onto(mesh, sections)
+            onto = Onto(mesh, sections, columns)
             result = _weighed(motions, _load(zones, onto, plate, footprints, load, sides_of_load, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
     # The case of a preload has the load zero; `analysis.tightening` reads the factor of the case.
     cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
-    return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
+    return {
+        case: replace(
+            _weighed(motions, load),
+            acting=frozenset([case]),
+            on_columns=load.on_columns + columns.of_case(model, case),
+        )
+        for case, load in cases.items()
+    }
 
 
 def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
@@ -210,23 +223,26 @@ def _load(
 
 
 class Onto:
-    """Sums nodal forces of loads on a mesh, and contributions of these loads to the forces through sections."""
+    """Sums the nodal forces of loads on a mesh and their direct contributions to sections and columns."""
 
-    def __init__(self, mesh: Mesh, sections: Sections) -> None:
-        self.mesh, self._sections = mesh, sections
+    def __init__(self, mesh: Mesh, sections: Sections, columns: Columns) -> None:
+        self.mesh, self._sections, self._columns = mesh, sections, columns
         self._nodal = np.zeros(3 * mesh.node_count)
         self._couples = np.zeros(2 * len(mesh.elements))
         self.through = np.zeros(3 * len(sections))
+        self._on_columns = np.zeros(columns.count)
 
     @property
     def load(self) -> CaseLoad:
         """Sum of the loads that were added to this object."""
-        return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
+        result = CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
+        return replace(result, on_columns=self._on_columns)
 
     def push(self, forces: Quadrature) -> None:
         """Add point forces, which are the weights of ``forces``."""
         self._add(forces)
         self.through += self._sections.of_points(forces)
+        self._on_columns += self._columns.of_points(forces)
 
     def draw(self, along: Callable[[Levels], Quadrature]) -> None:
         """Add forces along a line.
@@ -236,12 +252,14 @@ class Onto:
         whole = along(())
         self._add(whole)
         self.through += self._sections.of_line(whole, along)
+        self._on_columns += self._columns.of_line(along)
 
     def spread(self, quadrature: Quadrature, spread: Spread) -> None:
         """Add the pressure ``spread``; ``quadrature`` integrates it over its region."""
         forces = quadrature.times(spread.pressure(quadrature.elements, quadrature.positions))
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
+        self._on_columns += self._columns.of_spread(forces, spread)
 
     def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
         """Add a couple (mx, my) at each point."""
@@ -304,18 +322,23 @@ class Cases(Mapping[str, CaseLoad]):
     """
 
     def __init__(
-        self, static: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
+        self,
+        static: Mapping[str, CaseLoad],
+        moving: tuple[Moving, ...],
+        mesh: Mesh,
+        sections: Sections,
+        columns: Columns,
     ) -> None:
         self._still = static
         self._places = {case: (load, s) for load in moving for case, s in load.positions.items()}
-        self._mesh, self._sections = mesh, sections
+        self._mesh, self._sections, self._columns = mesh, sections, columns
 
     def __getitem__(self, case: str) -> CaseLoad:
         """Return the load of a case."""
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]
-        result = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
+        result = _position(Onto(self._mesh, self._sections, self._columns), load.wheels(travelled), load.patch)
         return replace(result, acting=frozenset([case]))
 
     def __iter__(self) -> Iterator[str]:

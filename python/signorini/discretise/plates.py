@@ -19,6 +19,7 @@ from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.preloads import require_preloads
+from signorini.discretise.punching import Columns
 from signorini.discretise.repeated import Repeated, not_held
 from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
@@ -141,6 +142,7 @@ def _joined(
         contacts,
         Repeated(redundant, follows),
         Sections(mesh, (), np.zeros(0)),
+        Columns(mesh, ()),
         CasesOfPlates(each),
         Location(np.zeros(0, np.int64), np.zeros((0, 2))),
         np.zeros((0, 2)),

@@ -22,6 +22,7 @@ from signorini.model.plate import (
     RectanglePlate,
     Refinement,
 )
+from signorini.model.punching import Punching
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -30,8 +31,8 @@ from signorini.model.whole import Model, Solver, Units, validate
 __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Circle", "Combination", "Combinations",
     "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load", "Material", "MeshOptions",
-    "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe",
-    "Profile", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
+    "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
+    "Punching", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
     "Units", "Zone", "validate",
 ]
 # fmt: on

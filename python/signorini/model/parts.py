@@ -19,7 +19,7 @@ from signorini.model.problems import describe
 from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
-ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile")
+ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile", "punching")
 """Keys of the tables that belong to one plate."""
 _SAME_AREA = 1e-9
 """Relative tolerance for equal areas: corners are rounded."""

@@ -48,7 +48,10 @@ def as_list(value: Any) -> Any:
 _MAX_EXPLAINED = 1000
 """Largest number of pydantic's errors that are converted; the message gives the number of the remaining errors."""
 
-LISTS = ("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip")
+LISTS = (
+    *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
+    "punching",
+)
 """Keys of tables in double brackets, such as [[zone]]."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}

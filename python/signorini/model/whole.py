@@ -46,6 +46,7 @@ from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, S
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
+from signorini.model.punching import ColumnAt, Punching, columns_of
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
@@ -198,6 +199,7 @@ class Model(Table):
     profile: Annotated[tuple[Profile, ...], AfterValidator(_named)] = Field(
         default=(), description="Lines and circles along which fields and the pressure are reported."
     )
+    punching: tuple[Punching, ...] = Field(default=(), description="Columns that are checked for punching.")
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
 
@@ -348,9 +350,21 @@ class Model(Table):
         """Map from each moving load's case to the load cases of its positions."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
+    @property
+    def columns(self) -> tuple[ColumnAt, ...]:
+        """The columns of [[punching]]."""
+        return columns_of(self.punching, self.support, self.load)
+
+    @cached_property
+    def refused(self) -> tuple[Complaint, ...]:
+        """Problems of [cases] and of combinations by a code, with their places; empty in a valid model."""
+        return tuple(self._case_complaints())
+
     @cached_property
     def expanded(self) -> tuple[tuple[Product | Listing | Generated, ...], ...]:
         """Combinations of each table [[combination]]; if two tables have one rule, its names begin with the table's."""
+        if self.refused or sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
+            return ((),) * len(self.combination)
         shared = Counter((table.generate, rule) for table in self.combination for rule in table.rule or ())
         named = [any(shared[table.generate, rule] > 1 for rule in table.rule or ()) for table in self.combination]
         tables, positions = zip(self.combination, named, strict=True), self.positions
@@ -393,9 +407,13 @@ class Model(Table):
         yield from plate_complaints(self)
         if self.plate is not None:
             yield from self.complaints_of_plate()
-        wrong = [*self._moving_complaints()]
-        wrong = wrong or [*self._case_complaints()]
-        yield from wrong or chain(self._combination_complaints(), self._preload_complaints())
+        yield from self._moving_complaints()
+        yield from self.refused
+        yield from self._combination_complaints()
+        yield from self._preload_complaints()
+        for index, punching in enumerate(self.punching):
+            complaints = punching.complaints_of(self.support, self.load, self.units)
+            yield from ((("punching", index, *path), message) for path, message in complaints)
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""
@@ -466,7 +484,8 @@ class Model(Table):
             )
 
     def _case_complaints(self) -> Iterator[Complaint]:
-        """Yield the problems of [cases], and of combinations by the rules of a code."""
+        if sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
+            return
         positions = self.positions
         known = (*self.load_cases, *positions)
         if wrong := [*complaints_of(self.cases, known, positions)]:
@@ -491,6 +510,8 @@ class Model(Table):
                 )
 
     def _combination_complaints(self) -> Iterator[Complaint]:
+        if sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
+            return
         positions = self.positions
         fixed = (*self.load_cases, *(name for names in positions.values() for name in names))
         total = 0

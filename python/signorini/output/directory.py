@@ -16,7 +16,9 @@ from signorini.errors import InputError
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
 
-_OURS = re.compile(r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|results\.json|combinations\.parquet")
+_OURS = re.compile(
+    r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|results\.(json|xlsx)|combinations\.parquet"
+)
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _LARGEST_ACCOUNT = 1_000_000_000

@@ -19,13 +19,13 @@ from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
 from signorini.results.envelope import NONE, Envelope
-from signorini.results.figures import with_widths
+from signorini.results.figures import columns_named, with_widths
 from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.beside import beside_of
 from signorini.singularities.named import excluding, singularities
 
-_ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", "plates")
+_ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", "punching", "plates")
 
 
 def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
@@ -157,6 +157,7 @@ class _Shown:
                 {"name": strip.name, "stations": [{"at": at} for at in strip.places[0].tolist()]}
                 for strip in layout.model.strip
             ],
+            **({"punching": columns} if (columns := columns_named(layout.model)) else {}),
         }
         for one, path, side, row in self.ends():
             if one.what == "gap" and (side == "min" or not envelope.open_in[one.owner][one.part]):

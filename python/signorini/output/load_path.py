@@ -15,7 +15,7 @@ from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, csv_text, name_cell
 from signorini.output.tables import snapped_json
-from signorini.results.figures import line_places, put
+from signorini.results.figures import columns_named, line_places, put
 from signorini.results.load_path import LoadPath
 from signorini.results.local_results import section_results
 from signorini.results.path_stop import PathStop
@@ -96,6 +96,7 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
         **({"contacts": supports[first:]} if model.plates else {}),
         "probes": [{"at": list(at)} for probe in model.probe for at in probe.at],
         **line_places(**section_results(discretisation, stop.through)),
+        **({"punching": named} if (named := columns_named(model)) else {}),
     }
     for one in stop.catalogue:
         if one.home == "point" and one.what == "reaction":

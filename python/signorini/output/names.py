@@ -16,7 +16,7 @@ from signorini.model import Model
 from signorini.results.result import Result
 from signorini.results.support_result import areas_below, lines_below
 
-JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
+JSON, CSV, TABLE, XLSX = "results.json", "reactions.csv", "combinations.parquet", "results.xlsx"
 GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
@@ -48,10 +48,11 @@ _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
-def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
+def files(results: Results, pictures: Pictures = None, xlsx: bool = False) -> list[dict[str, str | None]]:
     """List the files of the results: combination (None for files of all combinations), kind and file name."""
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
+    together |= {"spreadsheet": XLSX} if xlsx else {}
     if results.model.profile:
         together["profile table"] = PROFILES_CSV
     together |= {"table": TABLE} if results.model.tabulated else {}

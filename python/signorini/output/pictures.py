@@ -89,7 +89,7 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
     grouped = dict[str, list[tuple[Result, str, list[SupportMark]]]]()
     for one, slug in named:
-        marks = support_marks(one.mesh, one.model.support, one.supports)
+        marks = support_marks(one)
         grouped.setdefault(groups.get(one.name, ""), []).append((one, slug, marks))
     for ending, fields in pictures_of(named[0][0]).items() if named else ():
         for those in grouped.values():

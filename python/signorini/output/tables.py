@@ -12,6 +12,7 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
+from signorini.model import Model
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
@@ -37,7 +38,9 @@ thousands of points.
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
-def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
+def results_json(
+    results: Results, estimates: Estimates | None = None, pictures: Pictures = None, xlsx: bool = False
+) -> dict[str, Any]:
     """Return the results in the form of ``results.json``; docs/results.md describes every key.
 
     A combination without equilibrium has no numbers: its lists are empty, its tables are None, and ``message`` gives
@@ -49,7 +52,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json({"pictures": pictures}),
+        **results.model.provenance.json({"pictures": pictures, "xlsx": xlsx, **_alone(results.model)}),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -67,7 +70,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": files(results, pictures),
+        "files": files(results, pictures, xlsx),
     }
 
 
@@ -80,6 +83,13 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
+
+
+def _alone(model: Model) -> dict[str, Any]:
+    """Option of a result that is written by itself: its combination."""
+    if model.combination == model.original.combination:
+        return {}
+    return {"combination": model.combination[0].model_dump(include={"name", "group", "factors"})}
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:

@@ -16,12 +16,25 @@ from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing_together
 from signorini.errors import InputError
+from signorini.formats.xlsx import write_xlsx
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
-from signorini.output.names import CSV, GOVERNING, JSON, PROFILES_CSV, TABLE, Chosen, Pictures, envelope_files, slugs
+from signorini.output.names import (
+    CSV,
+    GOVERNING,
+    JSON,
+    PROFILES_CSV,
+    TABLE,
+    XLSX,
+    Chosen,
+    Pictures,
+    envelope_files,
+    slugs,
+)
 from signorini.output.pictures import draw_profiles, jobs_of, profiles_csv, write_refinement
+from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
@@ -36,6 +49,7 @@ def write(
     directory: str | os.PathLike[str],
     estimate: Estimates | Estimate | PathEstimate | None = None,
     pictures: Literal["all", "governing", "none"] | None = None,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write the files of `signorini solve` or `signorini path` into a directory.
 
@@ -53,6 +67,8 @@ def write(
         Half-widths from `signorini.estimate`.
     pictures : {"all", "governing", "none"}, optional
         Combinations of `Results` with pictures: by default all if there are up to four, else the governing ones.
+    xlsx : bool
+        Whether `Results` are also written as a spreadsheet, results.xlsx; XlsxWriter must be installed.
 
     Returns
     -------
@@ -100,7 +116,7 @@ def write(
         estimate = estimates_of(results, watching(None, ""))
     if not isinstance(estimate, Estimates | None):
         raise InputError(_NOT_ITS, place="estimate")
-    return write_results(results, directory, estimate, pictures=pictures)
+    return write_results(results, directory, estimate, pictures=pictures, xlsx=xlsx)
 
 
 def write_results(
@@ -109,6 +125,7 @@ def write_results(
     estimates: Estimates | None,
     table: str | os.PathLike[str] | None = None,
     pictures: Pictures = None,
+    xlsx: bool = False,
     draw: Callable[[Sequence[Job]], Iterable[tuple[str, bytes]]] | None = None,
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, for each solved combination, a ``.vtu`` file and pictures.
@@ -126,7 +143,7 @@ def write_results(
     named = list(slugs(results))
     jobs = jobs_of(results, estimates, pictures)
     drawn = (draw or _drawn)(jobs) if jobs else ()
-    values = results_json(results, estimates, pictures)
+    values = results_json(results, estimates, pictures, xlsx)
     names = [JSON, CSV]
     try:
         with replacing_together(target, former_results, seal=JSON) as beside:
@@ -151,6 +168,8 @@ def write_results(
             (beside / JSON).write_text(
                 json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8"
             )
+            if xlsx:
+                write_xlsx(beside / XLSX, sheets_of(values, results), results.model.provenance.metadata)
             for name, content in drawn:
                 (beside / name).write_bytes(content)
             names = [entry["file"] for entry in values["files"]]

@@ -87,7 +87,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         samples += _draw_line(mark, positions, closed, axes, per_unit)
         positions, closed = _spaced(positions, closed, _SPACED[mark.style] / per_unit)
         size *= 0.75
-        if mark.kind in ("clamped", "symmetry"):
+        if mark.kind in ("clamped", "symmetry", "perimeter"):
             return mark.label, tuple(samples)
     for chosen, hollow in [(closed, mark.kind == "hinged" and mark.style != "points"), (~closed, True)]:
         if chosen.any():
@@ -166,6 +166,10 @@ def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, 
         for piece in pieces(positions):
             axes.plot(*piece.T, color="white", linewidth=2.6, zorder=4, clip_on=False)
             axes.plot(*piece.T, zorder=4.1, **look)
+        return [Line2D([], [], **look)]
+    if mark.kind == "perimeter":
+        look |= {"color": _EDGE, "linewidth": 1.1, "linestyle": "dashed"}
+        axes.plot(*positions.T, zorder=4.2, **look)
         return [Line2D([], [], **look)]
     if mark.kind == "clamped":
         look["path_effects"] = [Normal(), TickedStroke(spacing=6, angle=-135, length=0.9)]

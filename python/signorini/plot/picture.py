@@ -17,7 +17,7 @@ from signorini.shapes.tessellation import Tessellation
 
 Place = tuple[float, float]
 Style = Literal["points", "line", "area"]
-Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]
+Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry", "perimeter"]
 
 ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds in both directions"}
 
@@ -32,6 +32,7 @@ class SupportMark:
 
     At points, a triangle that points up pushes the plate up, one that points down holds it down, and a diamond does
     both. Along a line ``clamped`` is hatched, ``hinged`` has circles, and ``symmetry`` is dash-dotted.
+    A ``perimeter`` of columns is dashed.
     """
 
     name: str

@@ -38,7 +38,7 @@ def draw_field(
         raise InputError('There is no "pressure": the plate rests on no area.', place="field")
     nodes, units = result.stress_nodes, result.model.units
     plan = Plan(nodes.points, nodes.elements, nodes.left_out)
-    marks = support_marks(result.mesh, result.model.support, result.supports)
+    marks = support_marks(result)
     drawn = panel(field, result, plus_minus, None if limits is None else arguments.interval(limits, "limits"))
     if ax is None:
         return field_picture(plan, [drawn], marks, title=result.heading, length=units.length).axes[0]

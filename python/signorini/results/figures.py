@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from signorini.discretise.rows import Floats
+from signorini.model import Model
 from signorini.results.local_results import SectionResult, StripResult
 from signorini.results.quantities import MEAN_SIDES, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Path
 from signorini.results.result import Result
@@ -26,6 +27,7 @@ def figures(result: Result) -> dict[str, Any]:
         "supports": [_support(support) for support in result.supports[:first]],
         "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
         **line_places(result.sections, result.strips),
+        **({"punching": [column.figures() for column in result.punching]} if result.punching else {}),
     }
     if result.model.plates:
         values["contacts"] = [_support(support) for support in result.supports[first:]]
@@ -91,6 +93,11 @@ def _support(support: SupportResult) -> dict[str, Any]:
         return result
     result |= _line(support)
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
+
+
+def columns_named(model: Model) -> list[dict[str, Any]]:
+    """JSON of the columns of [[punching]] without their numbers."""
+    return [{"name": column.subject.removeprefix("punching:"), "at": list(column.at)} for column in model.columns]
 
 
 def joints(result: Result) -> list[dict[str, Any]]:

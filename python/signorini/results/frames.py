@@ -31,6 +31,7 @@ def _place(result: ResultState, one: Number) -> tuple[float, float]:
     places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
         "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),
         "probe": lambda: own.probes[one.owner].at,
+        "punching": lambda: own.punching[one.owner].at,
         "station": lambda: own.strips[one.owner].stations[one.part].at,
         "strip": lambda: getattr(own.strips[one.owner], "sagging" if one.what == "max_moment" else "hogging").at,
         "field": lambda: getattr(own.extremes[one.quantity.name], f"{one.what}_at"),

@@ -166,7 +166,8 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
         words, each = _given(support, places[index], model.units) if support.place == "at" else ("", [])
         named = [name + of for name, of in zip(numbers[index], each, strict=False)]
         marks.append(support_mark(discretisation.mesh, support, every, numbers=named, words=words))
-    return marks
+    columns = discretisation.columns.columns
+    return marks + perimeter_marks([line for one in columns for line in one.drawn(one.check.basic.pieces)])
 
 
 def bedding_panel(discretisation: Discretisation) -> Panel | None:
@@ -380,13 +381,23 @@ def _loops(shape: Region) -> Floats:
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
 
-def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
-    """Marks of the supports ``asked``, drawn as open or closed from their results ``supports``."""
+def support_marks(result: ResultState) -> list[SupportMark]:
+    """Marks of the supports, open or closed, and of the control perimeters of columns."""
+    asked, supports = result.model.support, result.supports
     numbers = _numbers(asked, [len(one.positions) for one in supports])
-    return [
-        support_mark(mesh, one, result.positions, result.closed, result.contact_boundary, own)
-        for one, result, own in zip(asked, supports, numbers, strict=True)
+    marks = [
+        support_mark(result.mesh, one, of_support.positions, of_support.closed, of_support.contact_boundary, own)
+        for one, of_support, own in zip(asked, supports, numbers, strict=True)
     ]
+    lines = [line for column in result.punching for line in column.perimeter]
+    return marks + perimeter_marks(lines)
+
+
+def perimeter_marks(lines: Sequence[Floats]) -> list[SupportMark]:
+    """Mark of control perimeters, given the points (k, 2) along their parts; none without lines."""
+    places = np.concatenate([_BREAK, *(part for line in lines for part in (line, _BREAK))])
+    mark = SupportMark("punching", "perimeter", places, style="line", words="control perimeters")
+    return [mark] if lines else []
 
 
 def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> Picture:

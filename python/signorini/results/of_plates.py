@@ -46,7 +46,7 @@ def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
     """Plate and index there of each support, probe, section and strip of the model; a probe is one point."""
-    result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}}
+    result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}, "punching": {}}
     first = [0]
     for probe in model.probe:
         first.append(first[-1] + len(probe.at))
@@ -56,6 +56,8 @@ def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
                 between = key == "support" and model.support[number].between
                 if not between or between[0] == part.name:
                     result[f"{key}s"][number] = plate, local
+        columns = [at for at, column in enumerate(model.columns) if column.table in part.numbers["punching"]]
+        result["punching"] |= {at: (plate, local) for local, at in enumerate(columns)}
         points = [at for number in part.numbers["probe"] for at in range(first[number], first[number + 1])]
         result["probes"] |= {at: (plate, local) for local, at in enumerate(points)}
     return result

@@ -68,7 +68,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station"]
+Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "punching"]
 Key = tuple[Home, int | str, str]
 
 
@@ -103,6 +103,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "per_length": Kind(1, -1, "pressure"),
         "corner": Kind(1, 0, "reaction"),
         "area": Kind(0, 2),
+        "length": Kind(0, 1),
         "part": Kind(),
         "count": Kind(),
         "angle": Kind(),
@@ -322,6 +323,47 @@ MEANS = (
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
+OF_COLUMNS = (
+    Quantity("u0", "length", "u0, length of the column's face", tabled=False, along_paths=False),
+    Quantity("u1", "length", "u1, length of the control perimeter; bo", enveloped=False, along_paths=False),
+    Quantity("force", "force", "force of the column, towards the plate", along_paths=False),
+    Quantity("inside", "force", "inside, force inside the perimeter that is taken off", along_paths=False),
+    *(
+        Quantity(f"moment_{axis}", "couple", f"moment, force × its distance along {axis}", ("moment", at), "moment")
+        for at, axis in enumerate("xy")
+    ),
+    Quantity("beta", "part", "β, largest shear stress / mean", enveloped=False, along_paths=False),
+    Quantity("v_ed", "stress", "vEd, shear stress at u1"),
+    Quantity("v_ed_face", "stress", "vEd at u0", along_paths=False),
+    Quantity("v_rd_c", "stress", "vRd,c, resistance without shear reinforcement", enveloped=False, along_paths=False),
+    Quantity("v_rd_max", "stress", "vRd,max, largest resistance", tabled=False, along_paths=False),
+    Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
+    Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
+    Quantity("uout", "length", "uout, length of the outer perimeter", along_paths=False),
+)
+"""Quantities of punched columns."""
+OF_SHEAR = tuple(one for one in OF_COLUMNS if one.name in ("force", "inside", "beta", "v_ed", "v_rd_c", "utilisation"))
+"""Quantities of punched columns in the terminal."""
+_SUPPORTS = (*OF_SUPPORTS, *OF_AREAS, *OF_LINES, *OF_LIMITED_AREAS, *OF_BOLTS)
+_POINTS = (*OF_POINTS, *OF_TURNING_POINTS, *AT_BOLTS)
+BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
+    {
+        **dict.fromkeys(("supports", "contacts"), _SUPPORTS),
+        **dict.fromkeys(("points", "nodes", "corners", "joints"), _POINTS),
+        "line": (
+            Quantity("reaction", "per_length", "reaction per length, positive up"),
+            Quantity("couple", "moment", "couple per length, positive where the plate sags"),
+        ),
+        "governing_reactions": tuple(Quantity(key, "reaction") for key in ("max", "min", "max_with", "min_with")),
+        "probes": AT_PROBES,
+        "sections": THROUGH,
+        "strips": OF_STRIPS,
+        "punching": OF_COLUMNS,
+        "stations": (*MEANS, *PICTURED.values()),
+        "": tuple(PICTURED.values()),
+    }
+)
+"""Quantities by the list of results.json that has them; "": those of fields."""
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Names of the largest and the smallest mean of a field over its singular points."""
@@ -331,7 +373,10 @@ EXTREMES: tuple[Home, ...] = ("field", "mean")
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 """Owners ("homes") whose numbers are read one owner at a time."""
 SMOOTH = frozenset(
-    ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
+    (
+        *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
+        *("max_per_length", "min_per_length", "v_ed", "utilisation"),
+    )
 )
 """Names of quantities that are not linear in the load, even while the contact state does not change."""
 
@@ -345,6 +390,13 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
             values = of.formula(moment, shear, thickness)
             result[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
     return result
+
+
+def quantity_at(keys: Sequence[str]) -> Quantity | None:
+    """Quantity of the numbers below some keys of results.json, without indices; None for other numbers."""
+    owner = next((key for key in reversed(keys) if key in BY_LIST), "")
+    named = {key: one for one in BY_LIST[owner] for key in (one.path[0], one.name)}
+    return next((named[key] for key in reversed(keys) if key in named), None)
 
 
 @dataclass(frozen=True)
@@ -364,7 +416,7 @@ class Number:
     def column(self) -> str:
         """Name of the number's column in tables."""
         what = self.what
-        if self.home in ("support", *EXTREMES):
+        if self.home in ("support", "punching", *EXTREMES):
             return f"{what}:{self.subject}"
         return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
 
@@ -395,7 +447,7 @@ class Number:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
         own = len(self.path) - len(self.quantity.path)
-        return (*self.path[:own], self.quantity.name) if self.home in ("probe", "point") else self.path
+        return (*self.path[:own], self.quantity.name) if self.home in ("probe", "point", "punching") else self.path
 
     @property
     def ties(self) -> tuple[str, str, int]:
@@ -485,6 +537,10 @@ class Catalogue:
                 for one in MEANS:
                     path = ("strips", index, "stations", station, *one.path)
                     result.append(Number(one, "station", index, path, f"{subject}[{station + 1}]", station))
+        for index, column in enumerate(model.columns):
+            for one in OF_COLUMNS:
+                path = ("punching", index, *one.path)
+                result.append(Number(one, "punching", index, path, column.subject, 0, one.tabled))
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
         for index, (plate, name) in enumerate(enveloped):
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)

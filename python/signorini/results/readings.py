@@ -7,7 +7,7 @@ load path those of several answers. A row of a table has a sum of the readings o
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple, Self
@@ -19,6 +19,8 @@ from signorini.base.on_demand import kept
 from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.discretisation import OfWhole
+from signorini.discretise.laws import SupportLaw
+from signorini.discretise.punching import PunchedColumn
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.model import Support
@@ -26,7 +28,8 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.local_results import total_pressure
-from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, derived
+from signorini.results.punching import in_units, points_inside
+from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, derived
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000
@@ -87,6 +90,8 @@ class Linear(NamedTuple):
     """(k, a): deflections of the nodes that belong to elements on elastic areas."""
     beneath: Floats
     """(k, b, a): deflections of other plates at the same nodes, for each of b supports between plates."""
+    on_columns: Floats
+    """(k, r + 3c): numbers of loads on `Columns`; on columns under the plate, couples of held slopes."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
@@ -163,10 +168,11 @@ class Reader:
         held, nothing = forces.held[::3], list[Floats]([np.zeros(0)])
         of_supports = [np.concatenate([held[one.nodes], forces.springs[one.springs]]) for one in self.points]
         couples = [one.moments(forces.springs).ravel() for one in self.points]
-        on_lines = nothing
-        if self.vertices_of:
-            turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:]).ravel()
-            on_lines = [line.couples @ turned for line in self.lines.values() if line.couples is not None]
+        on_lines, turned = nothing, np.zeros((0, 2))
+        if self.vertices_of or found.columns.columns:
+            turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:])
+            of_lines = [line.couples @ turned.ravel() for line in self.lines.values() if line.couples is not None]
+            on_lines = nothing + of_lines
         return Linear(
             at_probes,
             found.through(load, hi, lo, reaction, forces.springs),
@@ -177,7 +183,25 @@ class Reader:
             np.array([other[self.around_areas] for other in beneath.values()]).reshape(
                 len(beneath), len(self.around_areas)
             ),
+            self._on_columns(load, reaction, turned),
         )
+
+    def _on_columns(self, load: CaseLoad, reaction: Floats, turned: Floats) -> Floats:
+        """Numbers (r + 3c,) of `Linear.on_columns` from a load, reactions, and couples (n, 2) of held nodes."""
+        found = self.discretisation
+        result, first, points = (
+            load.on_columns + np.zeros(found.columns.count),
+            len(found.columns.regions),
+            found.points,
+        )
+        for own, column in zip(result[first:].reshape(-1, 3), found.columns.columns, strict=True):
+            if (support := column.column.support) is not None and found.model.support[support].holds_rotation:
+                held = found.held.points
+                of_nodes = (held.support == support) & (held.numbers == column.column.point)
+                of_rows = (points.support == support) & (points.numbers == column.column.point) & points.slope
+                own[1:] -= turned[found.held.nodes[of_nodes]].sum(axis=0)
+                own[1:] -= reaction[np.flatnonzero(of_rows)].reshape(-1, 2).sum(axis=0)
+        return result
 
 
 def nodes_around(areas: Iterable[AreaContact]) -> Ints:
@@ -248,6 +272,8 @@ class Readings:
                 return _THROUGH[what](self._through[:, : self._sections])
             case "station":
                 return _THROUGH[what](self._through[:, self._sections :])
+            case "punching":
+                return self.punching[what]
             case "strip":
                 return _OF_STRIPS[what](self._through[:, self._sections :][:, self._stations[owner]])[:, None]
             case "support":
@@ -264,6 +290,40 @@ class Readings:
     def discretisation(self) -> Discretisation:
         """Mesh, supports and loads of the plate."""
         return self.reader.discretisation
+
+    @cached_property
+    def punching(self) -> Mapping[str, Floats]:
+        """Numbers (k, c) of the checks of c columns, by name."""
+        columns = self.discretisation.columns
+        pairs = zip(columns.columns, columns.slices, strict=True)
+        each = [self._punching(index, *pair) for index, pair in enumerate(pairs)]
+        shape = len(each), len(self.shared)
+        return {one.name: np.array([values[one.name] for values in each]).reshape(shape).T for one in OF_COLUMNS}
+
+    def _punching(self, index: int, column: PunchedColumn, regions: slice) -> Mapping[str, Floats]:
+        """Numbers (k,) of one column: its force and moment, less all that acts inside its perimeters."""
+        first, own = len(self.discretisation.columns.regions), column.column
+        load = self.linear.on_columns[:, regions]
+        force, x, y = self.linear.on_columns[:, first + 3 * index :][:, :3].T
+        moment, pushing = x + 1j * y, np.zeros_like(load)
+        for state in self.supports:
+            forces, places = (
+                state.applied if state.support.area is not None else (state.reactions, state.points.positions)
+            )
+            mine = np.full(len(places), state.index == own.support)
+            if state.support.area is None:
+                mine &= np.arange(len(places)) == own.point
+                within = [region.contains(places) & ~mine for region in column.regions]
+                pushing += forces @ np.array(within, np.float64).T
+            elif state.index != own.support:
+                pushing += state.pressing(index)
+            if mine.any():
+                force, couples = forces[:, mine].sum(axis=1), state.couples[:, mine[: state.points.turning.shape[0]]]
+                moment = (
+                    forces[:, mine] @ (places[mine] - own.at) @ [1.0, 1j] - couples.sum(axis=1) @ [1.0, 1j] - moment
+                )
+        inside = pushing - load + force[:, None] if own.support is None else load - pushing
+        return in_units(column, force, moment, inside)
 
     @cached_property
     def probes(self) -> Floats:
@@ -408,6 +468,28 @@ class SupportReading:
             )
             for above, answer, closed, reactions in columns
         )
+
+    @property
+    def applied(self) -> tuple[Floats, Floats]:
+        """Upward forces (k, q) of held nodes, springs and contact points, and their positions (q, 2)."""
+        points, found = self.points, self.of.discretisation
+        places = [found.mesh.points[points.nodes], found.springs.positions[points.springs]]
+        positions = np.concatenate([*places, found.points.positions[points.rows[0]]])
+        each = replace(points, shares=None, order=np.arange(len(positions)))
+        return each.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared), positions
+
+    def pressing(self, column: int) -> Floats:
+        """Upward forces (k, r) of the area inside the control perimeters of a column."""
+        points, rows, sums, means, stiff = points_inside(self.of.discretisation, column, self.index)
+        result = [np.zeros((0, sums.shape[0]))]
+        for first in range(0, len(self.reactions), step := max(1, _TOGETHER // max(rows.shape))):
+            some = slice(first, first + step)
+            pressure = np.asarray((means @ self.reactions[some].T).T)
+            if not stiff.all():
+                exerted = SupportLaw(self.support).pressure((rows @ self.above(some).T).T, points.positions)
+                pressure = np.where(stiff, pressure, np.nan_to_num(np.clip(exerted, *self.at_rest.bounds)))
+            result.append((sums @ pressure.T).T)
+        return np.concatenate(result)
 
     @cached_property
     def pressures(self) -> Floats:

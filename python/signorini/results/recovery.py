@@ -20,6 +20,7 @@ from signorini.results.catalogue import catalogue_of
 from signorini.results.extremes import Means
 from signorini.results.local_results import ProbeResult, probe_results, section_results
 from signorini.results.of_plates import said_of
+from signorini.results.punching import ColumnResult, column_results
 from signorini.results.quantities import TOLD
 from signorini.results.readings import Readings, SupportForces
 from signorini.results.result import Result
@@ -93,6 +94,7 @@ def recovered(
         _read=readings.numbers(catalogue)[0],
         combination=None if isinstance(load_of, str) else load_of,
         means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
+        punching=Listed(column_results(discretisation, readings.punching), "punching"),
     )
 
 
@@ -144,6 +146,7 @@ def _of_plates(
         probes=tuple(one for of in in_order("probe", _by_table) for one in of),
         sections=in_order("section", lambda of: of.sections),
         strips=in_order("strip", lambda of: of.strips),
+        punching=Listed((one for of in in_order("punching", _columns_by_table) for one in of), "punching"),
         seconds=time.perf_counter() - begun,
         warnings=said_of({name: of.warnings for name, of in plates.items()}) + sentences(answer.not_unique),
         singular=singularities(discretisation, load.acting),
@@ -158,6 +161,13 @@ def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
     """Divide the probe results of a plate into one tuple for each table [[probe]] of the model."""
     ends = np.cumsum([0, *(len(probe.at) for probe in result.model.probe)]).tolist()
     return [result.probes[a:b] for a, b in pairwise(ends)]
+
+
+def _columns_by_table(result: Result) -> list[tuple[ColumnResult, ...]]:
+    """Divide the columns of a plate by the tables [[punching]] of the model."""
+    tables = [column.column.column.table for column in result.punching]
+    every = list(zip(tables, result.punching, strict=True))
+    return [tuple(one for at, one in every if at == table) for table in range(len(result.model.punching))]
 
 
 def unsolved_result(discretisation: Discretisation, combination: Combination, message: str) -> Result:

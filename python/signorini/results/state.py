@@ -18,6 +18,7 @@ from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
+from signorini.results.punching import ColumnResult
 from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, SIDES, Catalogue, derived
 from signorini.results.support_result import SupportResult, areas_below
 from signorini.singularities.singularity import Singularity, at_peaks
@@ -106,6 +107,8 @@ class ResultState(Remade):
     """Numbers (k,) in the order of the catalogue; extremes of fields are NaN here and computed by ``numbers``."""
     combination: Combination | None
     means: Means | None = None
+    punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
+    """Results of the columns of [[punching]], found by number from 0 or by name, as ``"columns[1]"``."""
     plates: Mapping[str, Self] = field(default_factory=dict)
 
     @property

@@ -109,7 +109,7 @@ class LeftOf:
 
     line: CutLine
     box: Box
-    region: Region | LeftOf | None = None
+    region: Part | None = None
 
     @property
     def outline(self) -> Outline:
@@ -139,8 +139,39 @@ class LeftOf:
         return left if self.region is None else np.asarray(left & self.region.contains(points))
 
 
-Part: TypeAlias = Region | LeftOf
-"""A region, or the part of a box or region on the left of a cut line; elements are divided along the outline."""
+@dataclass(frozen=True, eq=False)
+class Common:
+    """The intersection of a region and a part."""
+
+    region: Region
+    part: Part
+
+    @property
+    def outline(self) -> Outline:
+        """Both outlines; segments are divided where they cross the other outline."""
+        both = self.region.outline, self.part.outline
+        pieces = [_divided(a, b, other) for own, other in (both, both[::-1]) for a, b in own.segments]
+        segments = np.concatenate([np.zeros((0, 2, 2)), *pieces])
+        return Outline(segments, *(np.concatenate([getattr(own, key) for own in both]) for key in ("circles", "arcs")))
+
+    @property
+    def area(self) -> float:
+        """Upper bound of the area."""
+        return min(self.region.area, self.part.area)
+
+    @property
+    def bounds(self) -> Box:
+        """Intersection of the bounding boxes."""
+        (a, b, c, d), (x0, y0, x1, y1) = self.region.bounds, self.part.bounds
+        return max(a, x0), max(b, y0), min(c, x1), min(d, y1)
+
+    def contains(self, points: Floats) -> Bools:
+        """Mask (q,) of the points (q, 2) in both."""
+        return np.asarray(self.region.contains(points) & self.part.contains(points))
+
+
+Part: TypeAlias = "Region | LeftOf | Common"
+"""A region, or a part of one: elements can be divided by its outline."""
 
 
 def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:

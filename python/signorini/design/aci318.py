@@ -1,0 +1,111 @@
+"""Two-way shear by ACI 318-19 in its SI form, ACI 318M-19, 22.6 and 8.4.4. Units: MPa, mm, N."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from signorini.design.perimeters import Perimeter, Plan, Positions, numbered
+from signorini.shapes.arrays import Floats
+
+PHI = 0.75
+"""φ of shear, Table 21.2.1(b)."""
+WITHIN = 4.0
+"""Largest distance of an opening that reduces bo, relative to the slab's thickness h, 22.6.4.3."""
+CLAUSES = {
+    "u0": "ACI 318-19, 22.6.4.1 (outline of the column)",
+    "u1": "ACI 318-19, 22.6.4.1 and 22.6.4.3 (bo)",
+    "beta": "ACI 318-19, 8.4.2.2.2 and 8.4.4.2 (largest stress over mean)",
+    "v_ed": "ACI 318-19, 8.4.4.2.3 and R8.4.4.2.3 (vu)",
+    "v_rd_c": "ACI 318-19, 22.6.5.2 (φ vc)",
+    "v_rd_max": "ACI 318-19, 22.6.6.3 (φ 0.5 √f'c)",
+    "asw": "ACI 318-19, 22.6.6.1 and 22.6.7.2 (Av/s)",
+    "uout": "ACI 318-19, 22.6.6.1 (φ 0.17 λs λ √f'c)",
+}
+_LARGEST_FYT = 420.0
+"""Largest fyt in MPa, 20.2.2.4(a)."""
+
+
+def root_of(fc: float) -> float:
+    """√f'c in MPa, at most 8.3, 22.6.3.1."""
+    return min(float(np.sqrt(fc)), 8.3)
+
+
+def size_factor(d: float) -> float:
+    """λs = √(2/(1 + 0.004 d)) ≤ 1, 22.5.5.1.3."""
+    return float(min(np.sqrt(2.0 / (1.0 + 0.004 * d)), 1.0))
+
+
+def concrete_resistance(fc: float, d: float, bo: float, ratio: float, alpha_s: float) -> float:
+    """Stress vc of normalweight concrete, the least of Table 22.6.5.2; ``ratio`` is long over short side."""
+    parts = 0.33, 0.17 * (1.0 + 2.0 / ratio), 0.083 * (2.0 + alpha_s * d / bo)
+    return min(parts) * size_factor(d) * root_of(fc)
+
+
+def shear_part(b1: float, b2: float) -> float:
+    """γv = 1 − γf with γf = 1/(1 + 2/3 √(b1/b2)), 8.4.2.2.2 and 8.4.4.2.2; b1 is along the eccentricity."""
+    return 1.0 - 1.0 / (1.0 + 2.0 / 3.0 * float(np.sqrt(b1 / b2)))
+
+
+@dataclass(frozen=True, eq=False)
+class Punching:
+    """Two-way shear of one column; ``plan`` is in mm, ``fck`` is f'c and ``fyk`` is fyt in MPa.
+
+    ``given`` multiplies the mean stress in place of the unbalanced moment, or is None.
+    """
+
+    plan: Plan
+    d: tuple[float, float]
+    fck: float
+    fyk: float
+    given: float | None = None
+    clauses = CLAUSES
+
+    @property
+    def depth(self) -> float:
+        """Mean effective depth."""
+        return 0.5 * sum(self.d)
+
+    @cached_property
+    def perimeters(self) -> Sequence[Perimeter]:
+        """The critical section at d/2, with square corners around a rectangular column, 22.6.4.1."""
+        return [self.plan.perimeter(0.5 * self.depth, square=True)]
+
+    @property
+    def basic(self) -> Perimeter:
+        """The critical section."""
+        return self.perimeters[0]
+
+    def stress(self, force: Floats, moment: Positions) -> Floats:
+        """Stress vu (k,): mean stress plus γv M c/Jc about both axes of the critical section, R8.4.4.2.3."""
+        pieces, normals, column = self.basic.pieces, self.basic.normals, self.plan.column
+        mean, centroid = np.abs(force) / (pieces.length * self.depth), pieces.centroid
+        if self.given is not None:
+            return np.asarray(self.given * mean)
+        about = moment * np.sign(force) - np.abs(force) * (centroid - column.centre)
+        gradient, axis = np.zeros(len(force), np.complex128), normals[0] if normals else column.axis
+        for direction in (axis, 1j * axis):
+            b1, b2 = (pieces.highest(np.array([side, -side])).sum() for side in (direction, 1j * direction))
+            share = shear_part(b1, b2) / pieces.inertia(direction, self.depth)
+            gradient += share * (about * np.conj(direction)).real * direction
+        return np.asarray(mean + pieces.highest(gradient) - (np.conj(gradient) * centroid).real)
+
+    def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
+        """Numbers (k,) of the check for column forces (k,), moments (k,) and what acts inside bo (k, 1).
+
+        The utilisation is vu/(φ vc), without shear reinforcement. αs is 40, 30 at an edge, 20 at a corner, 22.6.5.3.
+        """
+        column, depth, (bo, normals) = self.plan.column, self.depth, (self.basic.pieces.length, self.basic.normals)
+        sides, net = sorted(column.size(axis) for axis in (column.axis, 1j * column.axis)), force - inside[:, 0]
+        alpha_s = {0: 40.0, 1: 30.0}.get(len(normals), 20.0)
+        v_u, mean = self.stress(net, moment), np.abs(net) / (bo * depth)
+        v_c = PHI * concrete_resistance(self.fck, depth, bo, sides[1] / sides[0], alpha_s)
+        reduced, face = PHI * 0.17 * size_factor(depth) * root_of(self.fck), self.plan.face(normals)
+        links = np.where(v_u > v_c, (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT)), 0.0)
+        beta = np.divide(v_u, mean, out=np.ones(len(force)), where=mean > 0.0)
+        at_face, most = np.abs(force) / (face * depth), PHI * 0.5 * root_of(self.fck)
+        lengths, forces = (face, bo, v_u * bo / reduced), (force, inside[:, 0])
+        return numbered(*lengths, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, links)

@@ -1,0 +1,190 @@
+"""Punching by EN 1992-1-1:2004, 6.4, with corrigenda and the amendment A1:2014. Units: MPa, mm, N.
+
+Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd (A1:2014). σcp = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions, numbered
+from signorini.shapes.arrays import Bools, Floats
+
+GAMMA_C, GAMMA_S = 1.5, 1.15
+"""Partial factors of concrete and steel, 2.4.2.4."""
+WITHIN = 6.0
+"""Largest distance of an opening that reduces the perimeter, relative to d, 6.4.2(3)."""
+CLAUSES = {
+    "u0": "EN 1992-1-1, 6.4.5(3)",
+    "u1": "EN 1992-1-1, 6.4.2",
+    "beta": "EN 1992-1-1, 6.4.3(3)-(5)",
+    "v_ed": "EN 1992-1-1, 6.4.3, Eq. (6.38)",
+    "v_rd_c": "EN 1992-1-1, 6.4.4(1), Eq. (6.47)",
+    "v_rd_max": "EN 1992-1-1, 6.4.5(3), A1:2014",
+    "asw": "EN 1992-1-1, 6.4.5(1), Eq. (6.52)",
+    "uout": "EN 1992-1-1, 6.4.5(4), Eq. (6.54)",
+}
+ON_RAFTS = {
+    "u1": "EN 1992-1-1, 6.4.4(2), a ≤ 2d",
+    "v_ed": "EN 1992-1-1, 6.4.4(2), Eq. (6.51)",
+    "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
+}
+"""Clauses of columns on foundations, in place of those in `CLAUSES`."""
+_DISTANCES = (np.arange(4, 17) / 8.0).tolist()
+"""Distances of perimeters around a column on a foundation, relative to d: 6.4.4(2), a ≤ 2d."""
+
+
+def moment_part(ratio: float) -> float:
+    """Factor k of Table 6.1 for c1/c2, linear between its values."""
+    return float(np.interp(ratio, (0.5, 1.0, 2.0, 3.0), (0.45, 0.60, 0.70, 0.80)))
+
+
+def concrete_resistance(fck: float, d: float, rho: float, gamma_c: float = GAMMA_C) -> float:
+    """vRd,c by 6.4.4(1), Eq. (6.47), with vmin by Eq. (6.3N)."""
+    k = min(1.0 + np.sqrt(200.0 / d), 2.0)
+    own = 0.18 / gamma_c * k * np.cbrt(100.0 * min(rho, 0.02) * fck)
+    return float(max(own, 0.035 * k**1.5 * np.sqrt(fck)))
+
+
+def largest_resistance(fck: float, gamma_c: float = GAMMA_C) -> float:
+    """vRd,max = 0.4 ν fcd at the column's face, 6.4.5(3) as amended by A1:2014, ν = 0.6 (1 − fck/250), Eq. (6.6N)."""
+    return 0.4 * 0.6 * (1.0 - fck / 250.0) * fck / gamma_c
+
+
+def reinforcement(v_ed: Floats, v_rd_c: Floats | float, u1: Floats | float, d: float, fyk: float) -> Floats:
+    """Asw/sr of vertical links around the column, 6.4.5(1), Eq. (6.52); 0 where vEd ≤ vRd,c."""
+    effective = min(250.0 + 0.25 * d, fyk / GAMMA_S)
+    return np.where(v_ed > v_rd_c, (v_ed - 0.75 * v_rd_c) * u1 / (1.5 * effective), 0.0)
+
+
+class _Shapes(NamedTuple):
+    """Perimeters (p,): length, distance, direction across the edge or of the column's side, and numbers for β."""
+
+    length: Floats
+    distance: Floats
+    axis: Positions
+    across: Floats  # k u1/W1 of an eccentricity along the axis
+    along: Floats  # k u1/W1 of an eccentricity normal to the axis
+    round: Bools  # whether both are components of one vector
+    uniform: Floats  # u1/u1*
+    beside: Floats  # k u1/W1 of Eq. (6.44), 0 at a corner
+    normals: Positions  # (p, 2): normals of near edges, 0 for none
+
+
+@dataclass(frozen=True, eq=False)
+class Punching:
+    """Punching of one column: a slab on it or, ``on_foundation``, a foundation under it.
+
+    ``plan`` is in mm, ``fck`` and ``fyk`` in MPa. ``given`` is β, or None to compute it from moments.
+    """
+
+    plan: Plan
+    d: tuple[float, float]
+    rho: tuple[float, float]
+    fck: float
+    fyk: float
+    given: float | None = None
+    on_foundation: bool = False
+
+    @property
+    def depth(self) -> float:
+        """d_eff = (dy + dz)/2, Eq. (6.32)."""
+        return 0.5 * sum(self.d)
+
+    @property
+    def clauses(self) -> Mapping[str, str]:
+        """Clause of each number."""
+        return CLAUSES | (ON_RAFTS if self.on_foundation else {})
+
+    @cached_property
+    def perimeters(self) -> Sequence[Perimeter]:
+        """Control perimeters (p,): that at 2d, 6.4.2(1); on a foundation several at a ≤ 2d, 6.4.4(2).
+
+        A perimeter to a free edge encloses more of the pressure under a foundation. So the longer perimeter, which does
+        not run straight to edges, is checked as well.
+        """
+        distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
+        to_edges = [self.plan.perimeter(distance) for distance in distances]
+        around = [self.plan.perimeter(found.distance, to_edges=False) for found in to_edges if found.normals]
+        return [*(around if self.on_foundation else []), *to_edges]
+
+    @property
+    def basic(self) -> Perimeter:
+        """The basic control perimeter at 2d."""
+        return self.perimeters[-1]
+
+    @cached_property
+    def face_length(self) -> float:
+        """u0 by 6.4.5(3): the column's outline, at an edge at most c2 + 3d, at a corner at most 3d."""
+        normals = self._edges(self.basic)
+        most = [np.inf, self.plan.column.size(1j * normals[0]) if normals else 0.0, 0.0][len(normals)]
+        return min(self.plan.face(normals), most + 3.0 * self.depth)
+
+    def beta(self, force: Floats, moment: Positions) -> Floats:
+        """β (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
+
+        Contributions of both axes are added; those of a circular column, as vectors. At a free edge, Eq. (6.44) and
+        (6.46) with u1* hold for an eccentricity inward; outward, the larger one of these and of Eq. (6.39) is taken.
+        """
+        if self.given is not None:
+            return np.full(force.shape, self.given)
+        of = self._shapes
+        eccentric = moment[:, None] / np.where(force != 0.0, force, np.inf)
+        across, along = np.abs((eccentric * of.axis.conj()).real), np.abs((eccentric * of.axis.conj()).imag)
+        both = of.across * across, of.along * along
+        result = 1.0 + np.where(of.round, np.hypot(*both), sum(both))
+        uniform = of.uniform + of.beside * along
+        inward = ((eccentric[..., None] * of.normals.conj()).real <= 0.0).all(axis=-1)
+        at_edge = np.where(inward, uniform, np.maximum(uniform, result))
+        return np.where((of.normals != 0.0).any(axis=-1), at_edge, result)
+
+    @cached_property
+    def _shapes(self) -> _Shapes:
+        """Shape of every perimeter."""
+        column, every = self.plan.column, []
+        for found in self.perimeters:
+            pieces, near = found.pieces, self._edges(found)
+            axis = found.normals[0] if found.normals else column.axis
+            ratio = column.size(axis) / column.size(1j * axis)
+            per_moment = [pieces.length / pieces.modulus(direction) for direction in (axis, 1j * axis)]
+            uniform = pieces.length / self._reduced(pieces, near).length
+            beside = moment_part(0.5 * ratio) * per_moment[1] if len(near) == 1 else 0.0
+            parts = moment_part(ratio) * per_moment[0], moment_part(1.0 / ratio) * per_moment[1]
+            is_round = len(column.corners) == 1 and not found.normals
+            every.append(
+                (pieces.length, found.distance, axis, *parts, is_round, uniform, beside, [*near, 0.0, 0.0][:2])
+            )
+        return _Shapes(*map(np.array, zip(*every, strict=True)))
+
+    def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
+        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
+        return tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+
+    def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
+        """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""
+        for normal in normals:
+            low, high = self.plan.column.extent(-normal)
+            pieces = pieces.beyond(-normal, high - min(1.5 * self.depth, 0.5 * (high - low)))
+        return pieces
+
+    def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
+        """Numbers (k,) of the check for column forces (k,), moments (k,) and what acts inside the perimeters (k, p).
+
+        On a foundation they are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear
+        reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.
+        """
+        own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
+        of, net, most = self._shapes, force[:, None] - inside, largest_resistance(self.fck)
+        beta = self.beta(net, moment)
+        stress, resistance = beta * np.abs(net) / (of.length * self.depth), own * 2.0 * self.depth / of.distance
+        rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
+        v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
+        at_face = beta * np.abs(force) / (self.face_length * self.depth)
+        ratio, links = np.maximum(v_ed / v_rd_c, at_face / most), reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
+        lengths, forces = (self.face_length, u1, v_ed * u1 / v_rd_c), (force, inside[rows, worst])
+        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, ratio, links)

@@ -1,0 +1,334 @@
+"""Control perimeters of punching: offsets of a column's outline, cut at free edges and behind openings.
+
+Positions are complex numbers x + iy in any unit of length. A direction is a complex number of size 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple, Self, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from signorini.base.on_demand import kept
+from signorini.errors import InputError
+from signorini.shapes.arrays import Bools, Floats, Ints
+
+Positions: TypeAlias = npt.NDArray[np.complex128]
+
+NUMBERS = (
+    *("u0", "u1", "uout", "force", "inside", "beta", "v_ed", "v_ed_face"),
+    *("v_rd_c", "v_rd_max", "utilisation", "asw"),
+)
+"""Names of the numbers of a check."""
+_SAME = 1e-9
+"""Relative tolerance for equal lengths, and for points on an edge."""
+_ALIKE = 0.5
+"""Smallest angle in radians between normals of two edges at a corner, or between one and the opposite of the other."""
+_CORNER = 2
+"""Number of free edges at a corner, the largest number at which a perimeter ends."""
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Lines and arcs (m,): z(t) = c + v t + r exp(i(φ + θ t)) for 0 ≤ t ≤ 1; r = 0 on lines; v = 0, θ > 0 on arcs."""
+
+    centre: Positions
+    along: Positions
+    radius: Floats
+    begin: Floats
+    turn: Floats
+
+    @classmethod
+    def of(cls, pieces: Sequence[tuple[complex, ...]]) -> Self:
+        """Make pieces from c, v, r, φ and θ of each; pieces without length are left out."""
+        centre, along, *arcs = np.array(pieces, np.complex128).T
+        every = cls(centre, along, *(values.real for values in arcs))
+        return every.pick(np.flatnonzero(every.lengths > 0.0))
+
+    def pick(self, which: Ints | Bools) -> Self:
+        """Pieces by their indices, or by a mask (m,)."""
+        return type(self)(*(getattr(self, key.name)[which] for key in fields(self)))
+
+    def at(self, t: Floats) -> Positions:
+        """Positions (m, k) at parameters (k,)."""
+        angle = self.begin[:, None] + self.turn[:, None] * t
+        arc = self.radius[:, None] * np.exp(1j * angle)
+        return np.asarray(self.centre[:, None] + self.along[:, None] * t + arc)
+
+    @property
+    def lengths(self) -> Floats:
+        """Lengths (m,)."""
+        return np.asarray(np.abs(self.along) + self.radius * self.turn)
+
+    @cached_property
+    def length(self) -> float:
+        """Total length."""
+        return float(self.lengths.sum())
+
+    @property
+    def middles(self) -> Positions:
+        """Middle (m,) of each piece."""
+        return self.at(np.array([0.5]))[:, 0]
+
+    @property
+    def gauss(self) -> tuple[Positions, Floats]:
+        """Gauss points (m, 12), and their weights, whose sum is the length."""
+        return self.at(0.5 + 0.5 * _POINTS), 0.5 * self.lengths[:, None] * _WEIGHTS
+
+    @cached_property
+    def centroid(self) -> complex:
+        """Centroid of the pieces."""
+        nodes, weights = self.gauss
+        return complex((weights * nodes).sum() / self.length)
+
+    def cut(self, direction: complex, level: float) -> Self:
+        """Divide the pieces where the coordinate along ``direction`` equals ``level``."""
+        start, slope = _along(self.centre, direction) - level, _along(self.along, direction)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            line = np.where(self.radius > 0.0, np.nan, -start / slope)
+            half = np.arccos(-start / np.where(self.radius > 0.0, self.radius, np.nan))
+            angles = np.angle(direction) - self.begin + np.stack([half, -half])
+            t = np.stack([line, *(angles % (2.0 * np.pi) / self.turn)], axis=1)
+        t = np.where((t > 0.0) & (t < 1.0), t, 1.0)
+        t = np.sort(np.pad(t, ((0, 0), (1, 1)), constant_values=(0.0, 1.0)), axis=1)
+        which, place = np.nonzero(np.diff(t, axis=1) > 1e-3 * _SAME)
+        first, width, own = t[which, place], np.diff(t, axis=1)[which, place], self.pick(which)
+        centre, begin = own.centre + own.along * first, own.begin + own.turn * first
+        return type(self)(centre, own.along * width, own.radius, begin, own.turn * width)
+
+    def beyond(self, direction: complex, level: float) -> Self:
+        """Parts whose coordinate along ``direction`` is at least ``level``."""
+        parts = self.cut(direction, level)
+        return parts.pick(_along(parts.middles, direction) >= level)
+
+    def within(self, polygon: shapely.Polygon) -> Self:
+        """Parts in a polygon."""
+        parts, middle = self, self.centroid
+        reach = np.abs(self.at(np.linspace(0.0, 1.0, 5)) - middle).max() + self.lengths.max()
+        for begin, end in _sides(polygon):
+            side = shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])
+            if shapely.distance(side, shapely.Point(middle.real, middle.imag)) <= reach:
+                normal = -1j * (end - begin) / abs(end - begin)
+                parts = parts.cut(normal, float(_along(begin, normal)))
+        return parts.pick(shapely.contains_xy(polygon, parts.middles.real, parts.middles.imag))
+
+    def outside(self, centre: complex, first: complex, last: complex) -> Self:
+        """Parts outside the sector from direction ``first`` to ``last``, less than half a turn, around a centre."""
+        parts = self
+        for ray in (1j * first, 1j * last):
+            parts = parts.cut(ray, float(_along(centre, ray)))
+        offset = parts.middles - centre
+        return parts.pick((_along(offset, 1j * first) <= 0.0) | (_along(offset, 1j * last) >= 0.0))
+
+    def modulus(self, direction: complex) -> float:
+        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid; ≈ 0 on a line."""
+        level = float(_along(self.centroid, direction))
+        nodes, weights = self.cut(direction, level).gauss
+        size = (weights * np.abs(_along(nodes, direction) - level)).sum()
+        return max(float(size), _SAME * self.length**2)
+
+    @kept
+    def inertia(self, direction: complex, depth: float) -> float:
+        """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with e as in W, tangent t, ``direction`` n."""
+        angle = self.begin[:, None] + self.turn[:, None] * (0.5 + 0.5 * _POINTS)
+        lines = self.along / np.where(self.along == 0.0, 1.0, np.abs(self.along))
+        tangent = np.where(self.radius[:, None] > 0.0, 1j * np.exp(1j * angle), lines[:, None])
+        own = depth**3 / 12.0 * _along(tangent, direction) ** 2
+        nodes, weights = self.gauss
+        size = (weights * (depth * _along(nodes - self.centroid, direction) ** 2 + own)).sum()
+        return max(float(size), _SAME * depth * self.length**3)
+
+    def highest(self, gradients: Positions) -> Floats:
+        """Largest values (k,) of the linear functions Re(conj(g) z) on the pieces."""
+        ends, arcs = self.at(np.array([0.0, 1.0])).ravel(), self.pick(self.radius > 0.0)
+        met = (np.angle(gradients)[:, None] - arcs.begin) % (2.0 * np.pi) <= arcs.turn
+        top = _along(arcs.centre, gradients[:, None]) + arcs.radius * np.abs(gradients)[:, None]
+        values = np.concatenate([_along(ends, gradients[:, None]), np.where(met, top, -np.inf)], axis=1)
+        return np.asarray(values.max(axis=1))
+
+
+@dataclass(frozen=True)
+class Column:
+    """A loaded area: a convex polygon, counter-clockwise, and all points within ``radius``; a circle has one corner."""
+
+    corners: tuple[complex, ...]
+    radius: float = 0.0
+
+    @classmethod
+    def hull(cls, corners: Sequence[complex], radius: float = 0.0) -> Self:
+        """The convex hull of points."""
+        hull = shapely.MultiPoint([(p.real, p.imag) for p in corners]).convex_hull
+        if isinstance(hull, shapely.Polygon):
+            hull = shapely.LineString(shapely.orient_polygons(hull).exterior.coords[:-1])
+        return cls(tuple(complex(x, y) for x, y in hull.coords), radius)
+
+    @cached_property
+    def centre(self) -> complex:
+        """Centroid of the area."""
+        middle = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull.centroid
+        return complex(middle.x, middle.y)
+
+    @property
+    def axis(self) -> complex:
+        """Direction of the longest side; 1 for a circle."""
+        ahead = np.roll(self.corners, -1) - self.corners
+        longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
+        return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
+
+    def extent(self, direction: complex) -> tuple[float, float]:
+        """Smallest and largest coordinate along a direction."""
+        along = _along(np.array(self.corners), direction)
+        return float(along.min()) - self.radius, float(along.max()) + self.radius
+
+    def size(self, direction: complex) -> float:
+        """Width along a direction."""
+        low, high = self.extent(direction)
+        return high - low
+
+    def extended(self, normals: Sequence[complex], by: float) -> Column:
+        """The hull of the area and of its copies moved along some directions."""
+        moved = [corner + by * normal for normal in (0.0, *normals) for corner in self.corners]
+        return Column.hull(moved, self.radius) if normals else self
+
+    def offset(self, by: float, square: bool = False) -> Pieces:
+        """The outline at a distance; at corners arcs or, with ``square``, corners of a polygon without radius."""
+        corners, radius = np.array(self.corners), self.radius + by
+        if len(corners) == 1:
+            return Pieces.of([(corners[0], 0.0, radius, 0.5 * np.pi * k, 0.5 * np.pi) for k in range(4)])
+        ahead = np.roll(corners, -1) - corners
+        normal = -1j * ahead / np.abs(ahead)
+        before, pieces = np.roll(normal, 1), list[tuple[complex, ...]]()
+        if square and not self.radius:
+            return Column(tuple(corners + by * (before + normal) / (1.0 + _along(before, normal)))).offset(0.0)
+        for corner, last, side, along in zip(corners, before, normal, ahead, strict=True):
+            # Corners of a hull on one line turn by ± rounding, the ends of a line between two corners by ± π.
+            turn = float(np.angle(side / last))
+            turn = abs(turn) if abs(turn) > 3.0 else max(turn, 0.0)
+            count = max(1, int(np.ceil(turn / (0.5 * np.pi) - _SAME)))
+            begins = np.angle(last) + turn / count * np.arange(count)
+            pieces += [(corner, 0.0, radius, begin, turn / count) for begin in begins]
+            pieces.append((corner + radius * side, along, 0.0, 0.0, 0.0))
+        return Pieces.of(pieces)
+
+
+class Perimeter(NamedTuple):
+    """A control perimeter at a distance, the closed line that it is part of, and outward normals of its free edges."""
+
+    distance: float
+    pieces: Pieces
+    whole: Pieces
+    normals: tuple[complex, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A column in a slab with free edges; ``openings`` are those that reduce perimeters."""
+
+    column: Column
+    slab: shapely.Polygon
+    openings: tuple[shapely.Polygon, ...]
+    widened: bool = False
+
+    @classmethod
+    def of(cls, column: Column, rings: Sequence[Floats], within: float, widened: bool = False) -> Self:
+        """Find the openings at most ``within`` from the column; ``widened`` as in Figure 6.14 of EN 1992-1-1.
+
+        ``rings`` (k, 2) are the outlines of the slab and of its openings.
+        """
+        outer, *inner = sorted(map(shapely.Polygon, rings), key=lambda ring: -ring.area)
+        slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
+        if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
+            raise InputError(f"The column's centre {column.centre:g} is not on the plate. Move the column.")
+        corners = shapely.MultiPoint([(p.real, p.imag) for p in column.corners]).convex_hull
+        near = tuple(hole for hole in inner if shapely.distance(hole, corners) - column.radius <= within)
+        return cls(column, slab, near, widened)
+
+    def perimeter(self, distance: float, square: bool = False, to_edges: bool = True) -> Perimeter:
+        """The shortest perimeter at a distance, free edges excluded, without the parts behind openings.
+
+        With ``to_edges`` it may run straight to free edges.
+        """
+        basic = self.column.offset(distance, square)
+        normals, best, shortest = list[complex](), Perimeter(distance, basic, basic, ()), np.inf
+        for gap, normal in self._edges if to_edges else ():
+            apart = all(_ALIKE < abs(np.angle(normal / other)) < np.pi - _ALIKE for other in normals)
+            if gap <= 0.5 * basic.length and len(normals) < _CORNER and apart:
+                normals.append(normal)
+        for some in (some for count in range(len(normals) + 1) for some in combinations(normals, count)):
+            whole = self.column.extended(some, basic.length).offset(distance, square)
+            pieces = whole.within(self.slab)
+            # A column flush with an edge has equal perimeters with and without the edge.
+            if 0.0 < pieces.length <= (1.0 + _SAME) * shortest:
+                best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
+        return best._replace(pieces=self._unshaded(best.pieces))
+
+    @kept
+    def face(self, normals: tuple[complex, ...]) -> float:
+        """Length of the column's outline; towards free edges it is straight, up to the column's outermost point."""
+        pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0).within(self.slab)
+        for normal in normals:
+            pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
+        return self._unshaded(pieces).length
+
+    def gap(self, normal: complex) -> float:
+        """Distance of the column from the free edge with an outward normal."""
+        return min(gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME)
+
+    def _unshaded(self, pieces: Pieces) -> Pieces:
+        """Parts outside the sectors between tangents from the column's centre to openings."""
+        for opening in self.openings:
+            pieces = pieces.outside(self.column.centre, *self._sector(opening))
+        if not pieces.length > 0.0:
+            raise InputError("Openings around the column leave no control perimeter. Move the column or the openings.")
+        return pieces
+
+    def _sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
+        """Directions of the two tangents to an opening."""
+        corners = shapely.get_coordinates(opening.convex_hull)[:-1] @ [1.0, 1j] - self.column.centre
+        middle = complex(opening.centroid.x, opening.centroid.y) - self.column.centre
+        seen = corners * np.conj(middle) / abs(middle)
+        angles = np.angle(seen)
+        if np.ptp(angles) >= np.pi * (1.0 - _SAME):
+            raise InputError("An opening surrounds the column's centre. Move the column or the opening.")
+        # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
+        wider = np.sqrt(max(np.ptp(seen.real) / np.ptp(seen.imag), 1.0)) if self.widened else 1.0
+        ends = np.array([angles.min(), angles.max()])
+        ends = np.where(np.abs(ends) < 0.5 * np.pi, np.arctan(wider * np.tan(ends)), ends)
+        first, last = middle / abs(middle) * np.exp(1j * ends)
+        return complex(first), complex(last)
+
+    @cached_property
+    def _edges(self) -> list[tuple[float, complex]]:
+        """Distances of the column from sides of the slab that face its centre, with the sides' outward normals."""
+        found = []
+        for begin, end in _sides(self.slab):
+            length = abs(end - begin)
+            foot = (self.column.centre - begin) * np.conj(end - begin) / length
+            normal = complex(-1j * (end - begin) / length)
+            if -_SAME * length <= foot.real <= length * (1.0 + _SAME) and foot.imag >= -_SAME * length:
+                own = self.column.extent(normal)[1] - float(_along(self.column.centre, normal))
+                found.append((float(foot.imag) - own, normal))
+        return sorted(found, key=lambda edge: edge[0])
+
+
+def numbered(*values: Floats | float) -> Mapping[str, Floats]:
+    """Numbers (k,) of a check by name, from values in the order of `NUMBERS`."""
+    return dict(zip(NUMBERS, map(np.asarray, np.broadcast_arrays(*values)), strict=True))
+
+
+def _along(z: Positions | complex, direction: Positions | complex) -> Floats:
+    """Coordinates of positions along directions."""
+    return np.asarray((z * np.conj(direction)).real)
+
+
+def _sides(polygon: shapely.Polygon) -> list[tuple[complex, complex]]:
+    """Sides of all rings of a polygon: begin and end."""
+    rings = [shapely.get_coordinates(ring) @ [1.0, 1j] for ring in (polygon.exterior, *polygon.interiors)]
+    return [(a, b) for ring in rings for a, b in zip(ring.tolist(), ring[1:].tolist(), strict=False) if a != b]

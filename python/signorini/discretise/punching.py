@@ -1,0 +1,187 @@
+"""Columns that are checked for punching: their checks, and the loads on them and inside their control perimeters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from signorini.base.on_demand import kept
+from signorini.base.units import METRES, NEWTONS
+from signorini.design import aci318, en1992_punching
+from signorini.design.perimeters import Column, Pieces, Plan
+from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.quadrature.stepped import Levels, sides_of
+from signorini.discretise.rows import Floats
+from signorini.discretise.sections.sections import Spread
+from signorini.errors import InputError, Problems
+from signorini.mesh import Mesh
+from signorini.model import MeshPlate, Model
+from signorini.model.punching import ACI_318, ColumnAt
+from signorini.shapes import Circle, Rounded
+from signorini.shapes.cuts import Common, Part
+from signorini.shapes.distances import depth
+from signorini.shapes.outlines import Contour
+
+Check: TypeAlias = en1992_punching.Punching | aci318.Punching
+_ON_EDGE = 1e-9
+"""Tolerance for points of loads within a column, relative to its size."""
+
+
+@dataclass(frozen=True, eq=False)
+class PunchedColumn:
+    """A column of a plate: its check in mm and N, ``length`` mm and ``force`` N per unit of the model."""
+
+    column: ColumnAt
+    check: Check
+    code: str
+    length: float
+    force: float
+
+    @cached_property
+    def regions(self) -> tuple[Rounded, ...]:
+        """Areas (p,) inside the control perimeters."""
+        return tuple(_region(perimeter.whole, self.length) for perimeter in self.check.perimeters)
+
+    def drawn(self, pieces: Pieces) -> list[Floats]:
+        """Points (k, 2) along each of the pieces, in units of the model."""
+        points = pieces.at(np.linspace(0.0, 1.0, 17)) / self.length
+        return [np.column_stack([z.real, z.imag]) for z in points]
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Columns (c,) of a plate with all their regions (r,).
+
+    Loads are reduced to r + 3c numbers: the downward forces inside the regions, and for each column the downward force
+    and the couples on θx and θy that act on it.
+    """
+
+    mesh: Mesh
+    columns: tuple[PunchedColumn, ...]
+
+    @classmethod
+    def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Columns:
+        """Make the columns of a model; errors are collected in ``problems``."""
+        result = []
+        for column in model.columns:
+            with problems.collected():
+                try:
+                    result.append(_punched(model, mesh, column))
+                    _ = result[-1].regions
+                except InputError as error:
+                    raise InputError(error.message, ("punching", column.table)) from None
+        return cls(mesh, tuple(result))
+
+    @cached_property
+    def regions(self) -> tuple[Rounded, ...]:
+        """Regions (r,) of all columns."""
+        return tuple(region for column in self.columns for region in column.regions)
+
+    @property
+    def count(self) -> int:
+        """Number r + 3c of numbers."""
+        return len(self.regions) + 3 * len(self.columns)
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Indices of the regions of each column."""
+        ends = np.cumsum([0, *(len(column.regions) for column in self.columns)]).tolist()
+        return tuple(slice(a, b) for a, b in pairwise(ends))
+
+    def of_points(self, forces: Quadrature) -> Floats:
+        """Numbers (r + 3c,) of downward point forces, which are the weights."""
+        return self._numbers(lambda region: forces.weights[region.contains(forces.positions)].sum())
+
+    def of_line(self, divided: Callable[[Levels], Quadrature]) -> Floats:
+        """Numbers (r + 3c,) of forces along a line; ``divided`` is as in `Sections.of_line`."""
+
+        def inside(region: Rounded) -> float:
+            points = divided(sides_of(region))
+            return float(points.weights[region.contains(points.positions)].sum())
+
+        return self._numbers(inside)
+
+    def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
+        """Numbers (r + 3c,) of a pressure; arguments are as in `Sections.of_spread`."""
+        shape = spread.region
+        around = np.concatenate([np.zeros((0, 2)), *getattr(shape, "loops", ())])
+
+        def inside(region: Rounded) -> float:
+            # Regions of columns are convex.
+            if len(around) and region.contains(around).all():
+                return forces.total
+            points = over(region, self.mesh, shape, spread.order, spread.levels)
+            return float(points.weights @ spread.pressure(points.elements, points.positions))
+
+        return self._numbers((lambda region: 0.0) if spread.field else inside)
+
+    def of_case(self, model: Model, case: str) -> Floats:
+        """Numbers (r + 3c,) of the forces and couples of a load case that act on the columns."""
+        result, first = np.zeros(self.count), len(self.regions)
+        loads = [load for load in model.load if load.case == case and load.at is not None]
+        for own, column in zip(result[first:].reshape(-1, 3), (one.column for one in self.columns), strict=True):
+            for load in loads if column.support is None else ():
+                points = np.array(load.at)
+                arms = points[depth(column.outline, points) >= -_ON_EDGE * self.mesh.size] - column.at
+                force, couple = load.force or 0.0, np.array(load.couple or (0.0, 0.0))
+                own += [force * len(arms), *(force * arms.sum(axis=0) + couple * len(arms))]
+        return result
+
+    def _numbers(self, inside: Callable[[Rounded], float]) -> Floats:
+        return np.array([*map(inside, self.regions), *np.zeros(3 * len(self.columns))])
+
+
+def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
+    """Quadrature over the part of ``shape`` in a region; arguments are as in `area_quadrature`."""
+    if shape is None and not levels:
+        return _over(region, mesh, order)
+    part = region if shape is None else Common(region, shape)
+    x0, y0, x1, y1 = part.bounds
+    if x0 < x1 and y0 < y1:
+        return area_quadrature(mesh, part, order, levels=levels)
+    return Quadrature(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
+
+
+@kept
+def _over(region: Rounded, mesh: Mesh, order: int) -> Quadrature:
+    return area_quadrature(mesh, region, order)
+
+
+def _punched(model: Model, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
+    table, units = model.punching[column.table], model.units
+    length, force = 1e3 * METRES[units.length], NEWTONS[units.force]
+    d, stress = (table.d[0] * length, table.d[1] * length), force / length**2
+    given = None if table.beta == "computed" else table.beta
+    strengths, rings = (table.fck * stress, table.fyk * stress), [length * ring for ring in _rings(model, mesh)]
+    outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
+    if isinstance(column.outline, Circle):
+        outline = Column((length * complex(*column.outline.center),), length * column.outline.radius)
+    if table.code == ACI_318:
+        thickness = length * float(model.plate.thickness(*np.array([column.at]).T)[0])
+        plan = Plan.of(outline, rings, aci318.WITHIN * thickness)
+        check: Check = aci318.Punching(plan, d, *strengths, given)
+    else:
+        plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(d), widened=True)
+        on_raft = column.support is None
+        check = en1992_punching.Punching(plan, d, table.rho or (0.0, 0.0), *strengths, given, on_raft)
+    return PunchedColumn(column, check, table.code, length, force)
+
+
+def _rings(model: Model, mesh: Mesh) -> Sequence[Floats]:
+    """Points along the outline and the holes of the plate."""
+    if not isinstance(model.plate, MeshPlate):
+        return [contour.points() for contour in model.plate.contours]
+    ends = np.flatnonzero(mesh.boundary[:-1, 2] != mesh.boundary[1:, 0]) + 1
+    return [mesh.points[loop[:, :2].ravel()] for loop in np.split(mesh.boundary, ends)]
+
+
+def _region(whole: Pieces, length: float) -> Rounded:
+    """The region inside closed pieces, in units of ``length`` mm."""
+    start, middle = (whole.at(np.array([0.0, 0.5])) / length).T
+    through = [None if straight else (z.real, z.imag) for z, straight in zip(middle, whole.radius == 0.0, strict=True)]
+    return Rounded(Contour(tuple((z.real, z.imag) for z in start.tolist()), tuple(through), ("",) * len(start)))

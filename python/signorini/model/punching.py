@@ -1,0 +1,125 @@
+"""Columns that are checked for punching: places, outlines, code, depth and reinforcement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field
+
+from signorini.base.units import METRES, NEWTONS
+from signorini.errors import unknown
+from signorini.model import base
+from signorini.model.load import Load
+from signorini.model.support import Support
+from signorini.model.where import Acting
+from signorini.shapes import Hollow, Whole
+
+EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
+_STRENGTHS = (5.0, 120.0)
+"""Smallest and largest fck in MPa; another one is in the wrong unit."""
+
+
+Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
+
+
+class ColumnAt(NamedTuple):
+    """A column of a model: name such as "punching:columns[3]", indices of its table, point and support, and place."""
+
+    subject: str
+    table: int
+    point: int
+    support: int | None  # None for a column on the plate
+    at: tuple[float, float]
+    outline: Whole
+
+
+class Punching(base.OnPlate):
+    """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
+
+    support: base.Text | None = Field(
+        default=None, description="Name of the support whose points are the columns: at points, or one area."
+    )
+    load: base.Text | None = Field(
+        default=None,
+        description="In place of support: a load case; its force loads stand where columns stand on the plate.",
+    )
+    number: base.Counts | None = Field(
+        default=None, description="Numbers of the points that are checked, from 1, in the order of at; default all."
+    )
+    code: Literal["EN 1992-1-1:2004", "ACI 318-19"] = Field(description="Design code.")
+    column: Pair | None = Field(
+        default=None, description="Sides [b, h] of rectangular columns; default the footprint of the support or load."
+    )
+    diameter: base.Positive | None = Field(default=None, description="Diameter of circular columns.")
+    angle: base.Number = Field(default=0.0, description="Rotation of column: degrees from x to its first side.")
+    d: Pair = Field(description="Effective depths [dx, dy] of the reinforcement.")
+    rho: Pair | None = Field(default=None, description="Ratios [ρx, ρy] of the reinforcement; required by EN 1992.")
+    fck: base.Positive = Field(description="Strength of the concrete, fck or f'c, as force per area.")
+    fyk: base.Positive = Field(description="Strength of the shear reinforcement, fyk or fyt, as force per area.")
+    beta: Literal["computed"] | base.Positive = Field(
+        default="computed", description="Factor β of the unbalanced moment: computed, or a number."
+    )
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        for keys, needed in ((("support", "load"), 1), (("column", "diameter"), 0)):
+            if not needed <= len(found := self.present(keys)) <= 1:
+                yield (), f"found {' and '.join(found) or 'none'} of {' and '.join(keys)}; give one."
+        if self.code == EN_1992 and self.rho is None:
+            yield ("rho",), f"'rho' is missing; {EN_1992} needs the ratios of reinforcement [ρx, ρy]."
+
+    def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
+        """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
+        places: list[tuple[Acting, tuple[float, float], int | None]] = []
+        for load in loads:
+            if load.case == self.load and load.plate == self.plate and load.force is not None:
+                known = [at for _, at, _ in places]
+                places += [(load, at, None) for at in load.at or () if at not in known]
+        for index, support in enumerate(supports):
+            if support.name == self.support and (region := support.where.region) is not None:
+                x0, y0, x1, y1 = region.bounds
+                places.append((support, (0.5 * (x0 + x1), 0.5 * (y0 + y1)), index))
+            elif support.name == self.support:
+                places += [(support, at, index) for at in support.at or ()]
+        for point, (acting, at, support_index) in enumerate(places):
+            outline, subject = self._outline(acting, at), f"punching:{self.support or self.load}[{point + 1}]"
+            yield None if outline is None else ColumnAt(subject, table, point, support_index, at, outline)
+
+    def _outline(self, acting: Acting, at: tuple[float, float]) -> Whole | None:
+        if self.column is not None or self.diameter is not None:
+            radius = None if self.diameter is None else 0.5 * self.diameter
+            acting = Acting.model_construct(at=(at,), patch=self.column, radius=radius, angle=self.angle)
+        where = acting.where
+        region = where.footprints[where.points.index(at)] if where.footprints else where.region
+        return region.around if isinstance(region, Hollow) else region
+
+    def complaints_of(self, supports: Sequence[Support], loads: Sequence[Load], units: Any) -> Iterator[base.Complaint]:
+        """Yield the problems with other tables of the model; places are relative to this table."""
+        names, columns = [support.name for support in supports], list(self.columns(supports, loads))
+        if self.support is not None and self.support not in names:
+            yield ("support",), unknown("support", self.support, names)
+        elif not columns:
+            key, what = ("support", "no points") if self.load is None else ("load", "no force at points")
+            yield (key,), f"found {what}; columns are points of at, or one area with a rectangle, circle or polygon."
+        elif None in columns:
+            yield ("column",), "the outline of the columns is missing. Give column = [b, h] or diameter."
+        for number in self.number or ():
+            if number > len(columns):
+                yield ("number",), f"found column {number}; there are the columns 1 to {len(columns)}."
+        for key, unit, known in (("length", units.length, METRES), ("force", units.force, NEWTONS)):
+            if unit not in known:
+                yield (), f"{self.code} needs a known unit of {key} in units; found {unit!r} of {', '.join(known)}."
+                return
+        unit, strength = (
+            f"{units.force}/{units.length}²",
+            self.fck * NEWTONS[units.force] * 1e-6 / METRES[units.length] ** 2,
+        )
+        if not _STRENGTHS[0] <= strength <= _STRENGTHS[1]:
+            yield ("fck",), f"found {self.fck:g} {unit}, which is {strength:.3g} MPa; give 5 to 120 MPa in {unit}."
+
+
+def columns_of(tables: Sequence[Punching], supports: Sequence[Support], loads: Sequence[Load]) -> tuple[ColumnAt, ...]:
+    """The checked columns of all tables, in their order."""
+    every = ((own, table) for index, table in enumerate(tables) for own in table.columns(supports, loads, index))
+    chosen = ((column, table.number) for column, table in every if column is not None)
+    return tuple(column for column, numbers in chosen if numbers is None or column.point + 1 in numbers)
