@@ -98,8 +98,8 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     assert keys(found) == {
         **of("schema title snapped groups"),
         "program": of("name version commit"),
-        "input": of("file sha256") | {"model": keys(found["input"]["model"])},
-        "options": of("pictures"),
+        "input": of("file sha256 model_sha256 files") | {"model": keys(found["input"]["model"])},
+        "options": of("pictures xlsx"),
         "units": of("length force"),
         "model": of("nodes elements dofs contact_points"),
         "combinations": [combination],

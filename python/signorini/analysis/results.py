@@ -22,9 +22,12 @@ from signorini.errors import InputError
 from signorini.model import Combination, Model, Output
 from signorini.results.envelope import Envelope, States
 from signorini.results.frames import dataframe, dataset
+from signorini.results.notebook import in_notebook
 from signorini.results.result import Result
 from signorini.results.rows import Column
 
+_PICTURED = 4
+"""Largest number of results with pictures in a notebook."""
 _KEPT = 12
 """Largest number of results computed on access that are kept in memory; each has all fields at all nodes."""
 
@@ -233,5 +236,6 @@ class Results(States[str], Mapping[str, Result]):
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 
     def _repr_html_(self) -> str:
-        """Show tables of the supports of the results in ``full`` in a notebook."""
-        return "".join(result._repr_html_() for result in self.full.values())
+        """Show the results in ``full`` in a notebook; many results have no pictures."""
+        pictured = len(self.full) <= _PICTURED
+        return "".join(in_notebook(result, None, "", pictured=pictured) for result in self.full.values())

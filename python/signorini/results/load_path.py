@@ -23,7 +23,7 @@ from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
 from signorini.model import Combination
 from signorini.results.envelope import Envelope, States
-from signorini.results.notebook import path_table
+from signorini.results.notebook import path_table, picture_of
 from signorini.results.path_events import PathEvent, Threshold, in_words
 from signorini.results.path_stop import PathStop
 from signorini.results.recovery import recovered
@@ -221,13 +221,14 @@ class LoadPath(States[float]):
         return result
 
     def _repr_html_(self) -> str:
-        """Show a table of the events in a notebook."""
+        """Show the picture and the events in a notebook."""
         rows = [
             (f"{stop.t:.6g}", words, stop.utmost, stop.reactions.tolist())
             for index, stop in enumerate(self.stops)
             if (words := self.words(index))
         ]
-        return path_table([support.name for support in self.model.support], rows, self.model.units)
+        table = path_table([support.name for support in self.model.support], rows, self.model.units)
+        return picture_of(self.plot()) + table
 
     def plot(self) -> Figure:
         """Draw reactions of supports and points, pressures, closed parts, deflections and named events over t.

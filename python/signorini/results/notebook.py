@@ -1,8 +1,11 @@
-"""Notebook views (HTML) of supports and of a load path."""
+"""Notebook views of results and of load paths: a picture, and tables of supports and other numbers."""
 
 from __future__ import annotations
 
+import base64
 import html
+import io
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -11,11 +14,14 @@ import numpy as np
 from signorini.base.numbers import estimated, in_unit, number, size_of
 from signorini.errors import point
 from signorini.model import Support, Units
+from signorini.results.drawing import draw_field
 from signorini.results.state import ResultState
 from signorini.results.support_result import SupportResult, symbol
 
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'
+_LISTED = ("sections", "strips", "checks", "punching")
+"""Lists of results.json whose numbers have a table."""
 _Row = tuple[Sequence[str], Sequence[str]]
 """Cells of one row of a table: first texts, then numbers."""
 _MOST_POINTS = 20
@@ -88,8 +94,37 @@ def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, l
     return _table(["t", "event"], titles, rows)
 
 
-def in_notebook(result: ResultState, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:
-    """Write a result as HTML; half-widths and the meshes they come from are included if known."""
+def picture_of(figure: Any) -> str:
+    """Write a figure of matplotlib as an image in HTML."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png")
+    png = base64.b64encode(file.getvalue()).decode("ascii")
+    return f'<p><img alt="picture" style="max-width: 60em; width: 100%" src="data:image/png;base64,{png}"></p>'
+
+
+def _other_numbers(result: ResultState, plus_minus: Mapping[str, Any] | None) -> Iterator[str]:
+    """Yield a table for each list of numbers of sections, strips and the like, with a row for each entry."""
+    tables: dict[str, dict[str, dict[str, str]]] = {}
+    pairs = zip(result.catalogue, result.numbers.tolist(), strict=True)
+    listed = [(one, value) for one, value in pairs if one.path[0] in _LISTED and len(one.path) == 3]
+    for one, value in listed:
+        if not math.isnan(value):
+            owner, index, key = one.path
+            size = np.nanmax([abs(other) for of, other in listed if of.quantity.kind == one.quantity.kind])
+            widths = None if plus_minus is None else plus_minus[str(owner)][index]
+            row = tables.setdefault(str(owner), {}).setdefault(one.subject, {})
+            row[one.quantity.label(result.model.units)] = _written(value, widths, str(key), float(size))
+    for owner, rows in tables.items():
+        titles = list(dict.fromkeys(title for row in rows.values() for title in row))
+        yield _table(
+            [owner], titles, (([name], [row.get(title, "") for title in titles]) for name, row in rows.items())
+        )
+
+
+def in_notebook(
+    result: ResultState, plus_minus: Mapping[str, Any] | None, of_mesh: str, *, pictured: bool = True
+) -> str:
+    """Write a result as HTML, with half-widths and their meshes if there are any; ``pictured``: with the deflection."""
     title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
     if result.status != "solved":
         return f"{title}<p>{html.escape(result.message)}</p>"
@@ -106,5 +141,7 @@ def in_notebook(result: ResultState, plus_minus: Mapping[str, Any] | None, of_me
         *result.warnings,
     ]
     widths = None if plus_minus is None else plus_minus["supports"]
-    table = supports_table(result.model.support, result.supports, units, widths)
-    return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"
+    figures = (draw_field(one, "deflection", None, None, None).figure for one in result.members.values())
+    pictures = map(picture_of, figures if pictured else ())
+    tables = [supports_table(result.model.support, result.supports, units, widths), *_other_numbers(result, plus_minus)]
+    return f"{title}{''.join((*pictures, *tables))}<p>{'<br>'.join(map(html.escape, said))}</p>"

@@ -168,5 +168,5 @@ class Result(ResultState):
         return numbers_frame(self)
 
     def _repr_html_(self) -> str:
-        """Show a table of the supports in a notebook."""
+        """Show the deflection, the supports and other numbers in a notebook."""
         return in_notebook(self, None, "")
