@@ -33,7 +33,7 @@ def test_pressure_eccentricity_kern_and_overturning_of_a_footing_are_those_of_st
         {"G": 1, "W": 1},
         {"name": "bearing", "of": "soil.max_pressure", "limit": 200e3},
         {"name": "kern", "of": "soil.kern", "limit": 1},
-        {"name": "overturning", "of": "overturning", "grows": "W"},
+        {"name": "overturning", "of": "overturning", "grows": ["W"]},
     )
     numbers = dict(zip(results["c"].catalogue.by_name, results["c"].numbers, strict=True))
     assert numbers["soil.eccentricity_x"] == pytest.approx(0.2, rel=1e-9)
@@ -97,7 +97,7 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
     support = [
         {"name": "feet", "at": [[0.2, 0.2], [1.8, 0.2], [0.2, 1.3], [1.8, 1.3]], "resists": "down", "limit": 150e3},
     ]
-    check = {"of": "overturning", "grows": "W"}
+    check = {"of": "overturning", "grows": ["W"]}
     results = footing({"G": 1, "W": 1}, check, support=support)
     (overturning,) = check_results(results)
     assert overturning.value == pytest.approx(1 / path(results.model, "G", "W").limit, rel=1e-6)
@@ -105,7 +105,7 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
 
 def test_an_anchored_plate_overturns_later() -> None:
     anchors = {"name": "anchors", "at": [[0.2, 0.2], [0.2, 1.3]], "resists": "up", "limit": 50e3}
-    check = {"of": "overturning", "grows": "W"}
+    check = {"of": "overturning", "grows": ["W"]}
     free, anchored = (
         check_results(footing({"G": 1, "W": -1}, check, support=[*FOOTING["support"], *more]))[0]
         for more in ((), [{**anchors, "at": [[1.8, 0.2], [1.8, 1.3]]}])
@@ -213,12 +213,12 @@ def test_a_path_finds_where_a_check_is_reached() -> None:
         ({"of": "von_mises"}, "limit"),
         ({"of": "von_mises", "limit": 0}, "limit"),
         ({"of": "von_mises", "limit": [1, 2]}, "limit"),
-        ({"of": "von_mises", "limit": 1, "grows": "M"}, "grows"),
+        ({"of": "von_mises", "limit": 1, "grows": ["M"]}, "grows"),
         ({"of": "overturning"}, "grows"),
-        ({"of": "overturning", "grows": "W"}, "grows"),
+        ({"of": "overturning", "grows": ["W"]}, "grows"),
         ({"of": "von_mises", "limit": 1, "group": "EQU"}, "group"),
         ({"of": "von_mises", "limit": 1, "combinations": ["N", "M"]}, "combinations"),
-        ({"of": "von_mises", "limit": 1, "combinations": "N", "group": "SLS"}, "group"),
+        ({"of": "von_mises", "limit": 1, "combinations": ["N"], "group": "SLS"}, "group"),
         ({"of": "von_misses", "limit": 1}, "of"),
     ],
 )

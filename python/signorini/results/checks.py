@@ -82,13 +82,14 @@ def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combi
 
 
 def overturned(
-    discretisation: Discretisation, catalogue: Catalogue, values: Floats, combinations: Sequence[Combination]
+    discretisation: Discretisation, catalogue: Catalogue, values: Floats, loads: Sequence[Combination | str]
 ) -> Floats:
-    """Numbers (k, n) with the values 1/λ of overturning checks."""
-    result = values.copy()
+    """Numbers (k, n) with the values 1/λ of overturning checks; a load that is only named has none."""
+    result, rows = values.copy(), [row for row, load in enumerate(loads) if not isinstance(load, str)]
+    combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
         if one.check.of == OVERTURNING:
-            result[:, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
     return result
 
 
