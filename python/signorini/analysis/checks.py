@@ -33,9 +33,7 @@ class CheckResult:
     # position of the extreme of a field, or name of the object with the number, such as "probe[1]"
     place: tuple[float, float] | str | None
     without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
-    passed: (
-        bool | None
-    )  # True if utilisation + ± ≤ 1 and no combination lacks equilibrium, False if utilisation − ± > 1
+    passed: bool | None  # True if utilisation + ± ≤ 1 and no equilibrium is missing, False if utilisation − ± > 1
     verdict: str  # the same in words
 
 
@@ -81,16 +79,16 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     used = [float(value / check.limit_of(np.array(value))) for value, _ in known]
     if not used:
         verdict = "no equilibrium" if missing else "no value"
-        return CheckResult(check.name, check.of, *(None,) * 6, len(missing), None, verdict)
+        return CheckResult(check.name, check.of, None, None, None, None, None, None, len(missing), None, verdict)
     value, row = known[int(np.argmax(used))]
     limit, utilisation, name = float(check.limit_of(np.array(value))), max(used), results.key(row)
     width = None if estimates is None else estimates.half_width(f"utilisation:{check.name}", row)
     if estimates is not None and row in missing and not results.model.has_limits:
         width = 0.0
-    shown = (value, limit, utilisation, width) if math.isfinite(utilisation) else (None, limit, None, None)
-    where = None if check.of == OVERTURNING else _place(results[name], index)
     passed, verdict = _judged(utilisation, width, estimates is not None, len(missing))
-    return CheckResult(check.name, check.of, *shown, name, where, len(missing), passed, verdict)
+    where = None if check.of == OVERTURNING else _place(results[name], index)
+    own, part, half = (value, utilisation, width) if math.isfinite(utilisation) else (None, None, None)
+    return CheckResult(check.name, check.of, own, limit, part, half, name, where, len(missing), passed, verdict)
 
 
 def _judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
@@ -100,7 +98,7 @@ def _judged(utilisation: float, width: float | None, estimated: bool, missing: i
     if missing:
         return None, "no equilibrium"
     if estimated and width is None:
-        return (None, "± unknown")
+        return None, "± unknown"
     if utilisation + (width or 0.0) > 1.0:
         return None, "undecided: 1 is within ±"
     return True, "passed"
