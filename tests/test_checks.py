@@ -1,13 +1,21 @@
 """Checks of numbers and fields, eccentricity and kern, overturning."""
 
+import csv
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from models import rectangular
 
-from signorini import InputError, Model, Results, check_results, estimate, path, solve
+from signorini import InputError, Model, Results, check_results, estimate, path, solve, write
+from signorini.discretise import discretise
+from signorini.equilibrium.balance import rigid_freedom
+from signorini.equilibrium.imbalance import imbalance, largest_factor
+from signorini.equilibrium.stability import load_factors
+from signorini.model import Combination
 
 FOOTING: dict[str, Any] = {
     "size": [2, 1.5],
@@ -113,6 +121,80 @@ def test_an_anchored_plate_overturns_later() -> None:
     # About x = 0: 300 kN · 1 m, and two anchors of 50 kN at 1.8 m.
     assert free.value == pytest.approx(60 / 300, rel=1e-9)
     assert anchored.value == pytest.approx(60 / (300 + 2 * 50 * 1.8), rel=2e-2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_overturning_on_points_agrees_with_a_linear_program_over_reactions(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    feet = (random.random((5, 2)) * [2, 1.5]).tolist()
+    loads = [
+        *(
+            {"case": case, "force": 1e5, "at": [float(x), float(y)]}
+            for case, (x, y) in zip("GQ", random.random((2, 2)), strict=True)
+        ),
+        *FOOTING["load"][1:],
+    ]
+    model = rectangular(**FOOTING | {"support": [{"at": feet, "resists": "down"}], "load": loads})
+    discretisation = discretise(model)
+    names = [f"c{i}" for i in range(20)]
+    factors = [{"G": 1.0, "Q": a, "W": b} for a, b in random.uniform(-1, 1, (len(names), 2)).tolist()]
+    found = load_factors(
+        discretisation,
+        [Combination(name=name, factors=of) for name, of in zip(names, factors, strict=True)],
+        ["Q", "W"],
+    )
+    freedom = rigid_freedom(discretisation)
+    for own, of in zip(found, factors, strict=True):
+        case = {name: factor * discretisation.cases[name].weighing for name, factor in of.items()}
+        rest, grows = case["G"], case["Q"] + case["W"]
+        most = largest_factor(discretisation, freedom, freedom.outline, rest, grows)
+        stands = imbalance(discretisation, freedom, rest) is None
+        assert own == pytest.approx(most if stands else 0.0, rel=1e-6) or not stands
+
+
+def test_plates_on_one_another_have_checks_of_contacts_and_fields_of_each() -> None:
+    results = solve(
+        Model(
+            material={"E": 30e9, "nu": 0.2},
+            plates={
+                "slab": {"shape": "rectangle", "size": [4, 3], "thickness": 0.3},
+                "raft": {"shape": "rectangle", "size": [4, 3], "thickness": 0.4},
+            },
+            mesh={"divisions": [8, 6]},
+            support=[{"name": "soil", "plate": "raft", "area": "all", "resists": "down", "stiffness": 2e7}],
+            contact=[{"name": "bed", "between": ["slab", "raft"], "area": "all", "stiffness": 1e9}],
+            load=[
+                {"case": "G", "plate": "slab", "pressure": 20e3},
+                {"case": "W", "plate": "slab", "moment": [30e3, 0], "at": [2, 1.5], "radius": 0.4},
+            ],
+            combination=[{"name": "c", "factors": {"G": 1, "W": 2}}, {"name": "tips", "factors": {"G": 1, "W": 30}}],
+            check=[
+                {"of": "bed.kern", "limit": 1},
+                {"of": "overturning", "grows": ["W"]},
+                {"of": "raft.mx", "limit": 1e5},
+            ],
+        )
+    )
+    kern, overturning, moment = check_results(results)
+    # 240 kN on 4 m; e = 60/240 m
+    assert kern.value == pytest.approx(6 * 0.25 / 4, rel=1e-9)
+    assert overturning.value == pytest.approx(900 / 480, rel=1e-9)
+    ends = results["c"].plates["raft"].extremes["mx"]
+    assert moment.value in (ends.max, ends.min, ends.max_mean, ends.min_mean)
+
+
+def test_files_have_the_checks(tmp_path: Path) -> None:
+    results = footing({"G": 1, "W": 1}, {"name": "=bearing", "of": "soil.max_pressure", "limit": 100e3})
+    files = {file.name for file in write(results, tmp_path, pictures="none")}
+    assert "checks.csv" in files
+    values = json.loads((tmp_path / "results.json").read_text("utf-8"))
+    (one,) = values["checks"]
+    assert one["passed"] is False
+    assert one["utilisation"] == values["combinations"][0]["checks"][0]["utilisation"]
+    assert one["utilisation"] == values["combinations"][0]["supports"][0]["max_pressure"] / 100e3
+    (row,) = csv.DictReader((tmp_path / "checks.csv").open(encoding="utf-8"))
+    assert row["name"] == "'=bearing"
+    assert float(row["utilisation"]) == one["utilisation"]
 
 
 BASE_PLATE: dict[str, Any] = {

@@ -450,7 +450,8 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
     """A number of a check; raise `InputError` if no number is checked."""
     kinds = [one.quantity.kind for one in numbers if measures(check, one)]
     if not kinds and check.of != OVERTURNING:
-        known = dict.fromkeys(one.subject if one.home in EXTREMES else one.name for one in numbers)
+        others = (one for one in numbers if one.home != "check")
+        known = dict.fromkeys(one.subject if one.home in EXTREMES else one.name for one in others)
         raise InputError(unknown("field or number", check.of, [*known, OVERTURNING]), place=("check", index, "of"))
     if quantity.name == "value" and kinds:
         quantity = replace(quantity, kind=kinds[0])
