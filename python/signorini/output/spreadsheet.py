@@ -73,7 +73,8 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
 def _combinations(results: Results, units: Units) -> Sheet:
     """Factors of every combination; total reactions as well, if the table of all combinations is stored."""
     combinations, stored = results.model.effective_combinations, results.combined.rows or {}
-    cases = [case for case in results.discretisation.cases if case in combinations.cases]
+    acting = combinations.cases
+    cases = [case for case in results.discretisation.cases if case in acting]
     reactions = [column for column in stored if column.startswith("reaction:")]
     numbers = [np.asarray(stored[column]).tolist() for column in reactions]
 
