@@ -27,6 +27,7 @@ LAYERS = (
     {"accuracy"},
     {"analysis"},
     {"output"},
+    {"reports"},
     {"__init__"},
     {"importers"},
     {"cli"},
@@ -38,6 +39,8 @@ ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_c
 ONLY_IN = {
     "ezdxf": {"importers"},
     "highspy": {"base"},
+    "jinja2": {"reports"},
+    "markupsafe": {"reports"},
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},

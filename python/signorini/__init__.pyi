@@ -19,6 +19,7 @@ from signorini.formats.inputfile import load, loads, schema
 from signorini.mesh.mesh import Mesh
 from signorini.model import *
 from signorini.output.writing import write
+from signorini.reports.page import report
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.exact_path import ExactPath
 from signorini.results.extremes import FieldExtremes
@@ -38,10 +39,10 @@ __all__ = [
     "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
     "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
     "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
-    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
-    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
-    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
-    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
-    "tightened", "validate", "with_rows", "write",
+    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Report",
+    "Result", "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver",
+    "StationResult", "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening",
+    "Units", "Zone", "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover",
+    "report", "schema", "solve", "tightened", "validate", "with_rows", "write",
 ]
 # fmt: on

@@ -21,6 +21,7 @@ from signorini.model.plate import (
     RectanglePlate,
     Refinement,
 )
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -30,6 +31,7 @@ __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Circle", "Combination", "Combinations", "Contact",
     "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate", "Model",
     "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile", "RectanglePlate",
-    "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone", "validate",
+    "Refinement", "Report", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone",
+    "validate",
 ]
 # fmt: on
