@@ -27,6 +27,7 @@ LAYERS = (
     {"accuracy"},
     {"analysis"},
     {"output"},
+    {"report"},
     {"__init__"},
     {"importers"},
     {"cli"},
