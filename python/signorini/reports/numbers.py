@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from operator import itemgetter
 from typing import Any
 
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
-from signorini.reports.blocks import Block, Cell, Table, Text, found, solved
+from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.maps import MapData, map_data, map_html
 from signorini.reports.sections import Contents
 from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, PICTURED, SIDES, THROUGH, Quantity
 
@@ -225,7 +227,8 @@ def reactions(of: Contents) -> Iterator[Block]:
 
 def fields(of: Contents) -> Iterator[Block]:
     """Yield maps or pictures of fields, and a table of their extremes."""
-    yield from pictures.of_fields(of.results, of.estimates)
+    if any(True for _ in solved(of.values)):
+        yield _map(of, map_data(of.results, of.estimates), "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
     yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
@@ -239,6 +242,12 @@ def fields(of: Contents) -> Iterator[Block]:
                     rows.append([*cells, Cell(of.write.label(quantity)), of.write.number(value, width)])
     head = [of.write(key) for key in ("combination", "probe", "place", "quantity", "value")]
     yield Table(of.write("probes"), head, rows)
+
+
+def _map(of: Contents, data: MapData, name: str) -> Map:
+    """Interactive map with its texts in the language of the report."""
+    named = [field | {"words": of.write.translated(field["words"])} for field in data.header["fields"]]
+    return Map(map_html(replace(data, header={**data.header, "fields": named}), name, of.write.of_maps))
 
 
 def cuts(of: Contents) -> Iterator[Block]:
@@ -284,6 +293,7 @@ def load_path(of: Contents) -> Iterator[Block]:
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
     yield Text(f"{ending} {path['mechanism'] or ''}")
     yield pictures.of_path(of.along, write)
+    yield _map(of, map_data(of.along), "map-path")
     rows = [
         [write.number(one["t"]), Cell(one["support"]), write.place(one["at"]), Cell(one["change"])]
         for one in path["support_events"]

@@ -25,6 +25,7 @@ from signorini.errors import InputError, SignoriniError
 from signorini.output.tables import results_json
 from signorini.reports import numbers, sections
 from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
 from signorini.results.result import Result
@@ -166,6 +167,7 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         margins=Markup(_margins(title, block, program, values["input"]["sha256"])),
         style=Markup(_asset("page.css")),
         script=Markup(_asset("page.js")),
+        maps=Markup(assets_html()),
         results=Markup(_embedded(values)),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from signorini.discretise import Discretisation
 from signorini.output.pictures import jobs_of
 from signorini.plot.curves import profile_picture
 from signorini.plot.files import png_of
-from signorini.plot.picture import Job, LoadMark, Sheet
+from signorini.plot.picture import LoadMark
 from signorini.plot.pictures import check_picture, drawn
 from signorini.plot.plan import Plan
 from signorini.reports.blocks import Picture, Writer
@@ -78,22 +78,12 @@ def _plates(results: Results) -> Iterator[tuple[str, Discretisation]]:
         yield f", {name}" if name else "", each
 
 
-def of_fields(results: Results, estimates: Estimates | None) -> Iterator[Picture]:
-    """Draw fields of governing combinations and envelopes."""
-    return _drawn(results, estimates, lambda sheet: not any(picture.diagrams for picture in sheet.pictures))
-
-
 def of_reactions(results: Results, estimates: Estimates | None) -> Iterator[Picture]:
     """Draw reactions per length along walls."""
-    return _drawn(results, estimates, lambda sheet: any(picture.diagrams for picture in sheet.pictures))
-
-
-def _drawn(results: Results, estimates: Estimates | None, chosen: Callable[[Sheet], bool]) -> Iterator[Picture]:
     for job in jobs_of(results, estimates, "governing" if len(results) > 1 else None):
-        sheets = [sheet for sheet in job.sheets if chosen(sheet)]
+        sheets = [sheet for sheet in job.sheets if any(picture.diagrams for picture in sheet.pictures)]
         titles = [picture.title for sheet in sheets for picture in sheet.pictures]
-        own: Job = replace(job, sheets=sheets, metadata={})
-        for title, (_, content) in zip(titles, drawn(own), strict=True):
+        for title, (_, content) in zip(titles, drawn(replace(job, sheets=sheets, metadata={})), strict=True):
             yield Picture(content, title)
 
 
