@@ -125,7 +125,7 @@ class Writer:
     def label(self, quantity: Quantity) -> str:
         """Description of a quantity with its unit, for the title of a column."""
         words = self.translated(quantity.words or quantity.name.replace("_", " ")).partition(", ")[0]
-        return words + in_unit(quantity.unit(self.units))
+        return words[:1].upper() + words[1:] + in_unit(quantity.unit(self.units))
 
     def titled(self, key: str, kind: str) -> str:
         """Text of the catalogue with the unit of a kind of quantities."""

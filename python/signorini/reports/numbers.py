@@ -14,7 +14,7 @@ from signorini.reports.maps import MapData, map_data, map_html
 from signorini.reports.sections import Contents
 from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, PICTURED, SIDES, THROUGH, Quantity
 
-_ACROSS = 10
+_ACROSS = 8
 """Largest number of columns of simultaneous reactions in one table."""
 _BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 _LIMIT = 1e-8
@@ -109,7 +109,7 @@ def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
         ends = list(extremes(of, name))
         size = max((abs(end[1]) for end in ends), default=0.0)
         for side, value, width, by, at in ends:
-            words = f"{write(side)} {write.label(PICTURED[name])}"
+            words = f"{write.label(PICTURED[name])}, {write(side)}"
             yield [Cell(words), write.number(value, width, size), Cell(of.code(by)), write.place(at)]
 
 
@@ -121,7 +121,7 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
         own = [one for one in every if one["support"] == support]
         for side, chosen in zip(SIDES, (max, min), strict=True):
             one = chosen(own, key=itemgetter(side))
-            words = f"{write(side)} {write('reaction')} {_bearing(one)}{unit}"
+            words = f"{write('reaction')} {_bearing(one)}{unit}, {write(side)}"
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
@@ -129,7 +129,7 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
         if told:
             one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
             width = _width(one["plus_minus"], *_place(one, index), "max_pressure")
-            words = f"{write('max')} {write('pressure')} {support.name}{write.unit('pressure')}"
+            words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
             value = write.number(own["max_pressure"], width)
             yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
 
@@ -216,7 +216,7 @@ def reactions(of: Contents) -> Iterator[Block]:
         for name, one in zip(names, every, strict=True):
             for side in SIDES:
                 cells = [
-                    Cell(f"{write(side)} {name}"),
+                    Cell(f"{name}, {write(side)}"),
                     write.number(one[side], _width(one["plus_minus"], side), largest),
                 ]
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)

@@ -231,7 +231,9 @@ def _printed(page: Path, browser: str) -> Path:
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.append("--no-sandbox")  # Chromium has no sandbox for root
         try:
-            ended = subprocess.run([browser, *options, page.resolve().as_uri()], capture_output=True, timeout=_SECONDS)
+            ended = subprocess.run(
+                [browser, *options, page.resolve().as_uri() + "#print"], capture_output=True, timeout=_SECONDS
+            )
         except (OSError, subprocess.TimeoutExpired) as error:
             raise SignoriniError(f"{browser} did not print {page}: {error}.") from None
         if not made.exists():
