@@ -348,7 +348,7 @@ class _Plate:
             blob = self.blobs.add(self.grid.at_nodes(codes) if layer.at_nodes else self.grid.on_elements(codes))
             if blob is None:
                 return None
-            about = {"blob": blob, "first": first, "power": power, "nodes": layer.at_nodes}
+            about: dict[str, Any] = {"blob": blob, "first": first, "power": power, "nodes": layer.at_nodes}
             if layer.bounds is not None:
                 about["bounds"] = [end if np.isfinite(end) else None for end in layer.bounds]
             if layer.area is not None:
