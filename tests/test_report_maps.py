@@ -302,17 +302,21 @@ def test_without_webgl_the_canvas_is_used(browser: Any, tmp_path: Path, footing:
     context.close()
 
 
-def test_print_has_a_picture_of_every_map(opened: Opened, slab: Results) -> None:
+def test_print_has_pictures(opened: Opened, slab: Results) -> None:
     shown = opened(map_data(slab))
-    shown.js("await signorini.maps.freeze()")
-    wide, complete = shown.js("const i = v.root.querySelector('img.picture'); return [i.naturalWidth, i.complete]")
-    assert complete and wide == 3 * shown.js("return v.width")
+    shown.js("await signorini.maps.freeze(['deflection', 'mx', 'my'])")
+    pictures = shown.js(
+        "return [...v.root.querySelectorAll('img.picture')].map((i) => [i.alt, i.complete, i.naturalWidth])"
+    )
+    assert [alt.partition(" [")[0] for alt, *_ in pictures] == ["deflection, positive down", "moment mx", "moment my"]
+    assert all(complete and width > 1500 for _, complete, width in pictures)
     shown.page.emulate_media(media="print")
     assert not shown.page.locator(".controls").is_visible()
-    assert shown.page.locator("img.picture").is_visible()
     assert len(shown.page.pdf()) > 20_000
     shown.js("signorini.maps.thaw()")
     assert shown.js("return v.root.querySelector('img.picture')") is None
+    shown.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert shown.js("return v.root.querySelectorAll('img.picture').length") == 1
 
 
 def test_several_plates(opened: Opened) -> None:

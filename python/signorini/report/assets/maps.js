@@ -8,7 +8,7 @@
   const DISC = { colour: PALE, width: 0.8, dash: [2, 2] }, JUMP = { colour: INK, width: 0.8, dash: [5, 4] };
   const AREA = { colour: PALE, width: 1, dash: [10, 3, 2, 3] };
   const FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
-  const MISSING = 65535, WANTED = 12000, SNAP = 7;
+  const MISSING = 65535, WANTED = 12000, SNAP = 7, PAPER = 680;
   const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
   const smooth = (a, b, x) => { const t = clamp((x - a) / (b - a), 0, 1); return t * t * (3 - 2 * t); };
 
@@ -290,12 +290,12 @@
   }
 
   // --- Two painters of a scene with the same result: WebGL2, and a canvas where it is missing --------------------------
-  // A scene has vertices `places` with `lift`, layers (values, indices, bounds, yields, clip), and a projection.
+  // A scene has vertices `places` with `lift` and a projection; a layer has values, indices, bounds, yields.
 
   class Glass {
     constructor() {
       this.canvas = document.createElement("canvas");
-      this.gl = this.canvas.getContext("webgl2", { antialias: true, stencil: true, preserveDrawingBuffer: true });
+      this.gl = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
       if (!this.gl) throw new Error("no WebGL2");
       const gl = this.gl, program = gl.createProgram();
       for (const [kind, name] of [[gl.VERTEX_SHADER, "maps.vert"], [gl.FRAGMENT_SHADER, "maps.frag"]]) {
@@ -335,86 +335,45 @@
 
     attribute(number, array) {
       const gl = this.gl;
-      if (!array) { gl.disableVertexAttribArray(number); gl.vertexAttrib1f(number, 0); return; }
+      if (!array) return gl.disableVertexAttribArray(number);
       this.bind(gl.ARRAY_BUFFER, array);
       gl.enableVertexAttribArray(number);
       gl.vertexAttribPointer(number, 1, gl.FLOAT, false, 0, 0);
     }
 
-    paint(scene, width, height) {
-      const { gl, canvas } = this;
+    paint(scene, layer, width, height) {
+      const { gl, canvas } = this, { turn, middle, times, deep, dot, shown: { range, ends, every } } = scene, { bounds, yields } = layer;
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       gl.viewport(0, 0, width, height);
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       gl.enable(gl.DEPTH_TEST);
-      gl.depthFunc(gl.LEQUAL);
       gl.bindTexture(gl.TEXTURE_2D, this.colours);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, scene.shown.colours);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      for (const layer of scene.layers) {
-        if (layer.clip) this.clip(layer.clip, width, height);
-        const { turn, middle, times, deep, dot, shown: { range, ends, every } } = scene, { bounds, yields } = layer;
-        const scale = [2 * scene.scale / width, 2 * scene.scale / height];
-        this.set({ turn, scale, middle, times, deep, range, ends, bounds, yields, every, dot, size: height });
-        [scene.places[0], scene.places[1], scene.lift, layer.values].forEach((array, i) => this.attribute(i, array));
-        this.bind(gl.ELEMENT_ARRAY_BUFFER, layer.indices);
-        gl.drawElements(gl.TRIANGLES, layer.indices.length, gl.UNSIGNED_INT, 0);
-        gl.disable(gl.STENCIL_TEST);
-      }
+      const scale = [2 * scene.scale / width, 2 * scene.scale / height];
+      this.set({ turn, scale, middle, times, deep, range, ends, bounds, yields, every, dot, size: height });
+      [...scene.places, scene.lift, layer.values].forEach((array, i) => this.attribute(i, array));
+      this.bind(gl.ELEMENT_ARRAY_BUFFER, layer.indices);
+      gl.drawElements(gl.TRIANGLES, layer.indices.length, gl.UNSIGNED_INT, 0);
       return canvas;
-    }
-
-    // Draw the next layer only inside loops of pixels: every fan inverts the stencil.
-    clip(loops, width, height) {
-      const { gl } = this;
-      gl.enable(gl.STENCIL_TEST);
-      gl.clear(gl.STENCIL_BUFFER_BIT);
-      gl.colorMask(false, false, false, false);
-      gl.depthMask(false);
-      gl.stencilFunc(gl.ALWAYS, 0, 1);
-      gl.stencilOp(gl.INVERT, gl.INVERT, gl.INVERT);
-      const half = [width / 2, height / 2];
-      this.set({ turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], scale: [1 / half[0], -1 / half[1]], middle: half, times: 0 });
-      for (const loop of loops) {
-        [0, 1].forEach((axis) => this.attribute(axis, Float32Array.from(loop, (place) => place[axis])));
-        [2, 3].forEach((number) => this.attribute(number, null));
-        gl.drawArrays(gl.TRIANGLE_FAN, 0, loop.length);
-      }
-      gl.colorMask(true, true, true, true);
-      gl.depthMask(true);
-      gl.stencilFunc(gl.NOTEQUAL, 0, 1);
-      gl.stencilOp(gl.KEEP, gl.KEEP, gl.KEEP);
     }
   }
 
   class Raster {
-    paint(scene, width, height) {
-      const canvas = Object.assign(document.createElement("canvas"), { width, height });
-      const pen = canvas.getContext("2d"), depth = new Float32Array(width * height).fill(Infinity);
-      const { turn, scale, middle, times, places: [x, y], lift } = scene, count = x.length;
-      const sx = new Float32Array(count), sy = new Float32Array(count), sz = new Float32Array(count);
-      for (let i = 0; i < count; i++) {
+    paint(scene, layer, width, height) {
+      const canvas = make("canvas", { width, height }), pen = canvas.getContext("2d"), image = pen.createImageData(width, height);
+      const { turn, scale, middle, times, places: [x, y], lift } = scene, depth = new Float32Array(width * height).fill(Infinity);
+      const [sx, sy, sz] = [0, 1, 2].map(() => new Float32Array(x.length));
+      for (let i = 0; i < x.length; i++) {
         const z = lift ? -times * lift[i] : 0;
         sx[i] = width / 2 + scale * (turn[0] * x[i] + turn[1] * y[i] + turn[2] * z - middle[0]);
         sy[i] = height / 2 - scale * (turn[3] * x[i] + turn[4] * y[i] + turn[5] * z - middle[1]);
         sz[i] = turn[6] * x[i] + turn[7] * y[i] + turn[8] * z;
       }
-      for (const layer of scene.layers) {
-        const own = Object.assign(document.createElement("canvas"), { width, height }), ownPen = own.getContext("2d");
-        const image = ownPen.createImageData(width, height);
-        for (let i = 0; i < layer.indices.length; i += 3)
-          this.triangle(image, depth, sx, sy, sz, layer, layer.indices.subarray(i, i + 3), scene);
-        ownPen.putImageData(image, 0, 0);
-        pen.save();
-        if (layer.clip) {
-          pen.beginPath();
-          for (const loop of layer.clip) loop.forEach(([px, py], i) => (i ? pen.lineTo(px, py) : pen.moveTo(px, py)));
-          pen.clip("evenodd");
-        }
-        pen.drawImage(own, 0, 0);
-        pen.restore();
-      }
+      for (let i = 0; i < layer.indices.length; i += 3)
+        this.triangle(image, depth, sx, sy, sz, layer, layer.indices.subarray(i, i + 3), scene);
+      pen.putImageData(image, 0, 0);
       return canvas;
     }
 
@@ -518,13 +477,6 @@
     return element;
   }
 
-  function vector(tag, attributes, ...children) {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-    element.append(...children);
-    return element;
-  }
-
   let counted = 0;
 
   class Viewer {
@@ -534,6 +486,7 @@
       this.data = JSON.parse(header.textContent);
       this.store = new Store(content.textContent.trim(), this.data.blobs);
       this.texts = this.data.texts;
+      for (const field of this.data.fields) field.words = this.texts[field.name] || field.words;
       this.plates = [];
       this.at = { state: 0, field: this.data.fields[0].name, plate: 0 };
       this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true };
@@ -544,6 +497,7 @@
       this.ready = this.show({});
     }
 
+    get frozen() { return this.stage.classList.contains("frozen"); }
     get state() { return this.data.states[this.at.state]; }
     get own() { return this.state.plates[this.at.plate]; }
     get plate() { return this.plates[this.at.plate]; }
@@ -901,11 +855,18 @@
       pen.fillStyle = "#fff";
       pen.fillRect(0, 0, width, height);
       painter ||= makePainter();
-      const layers = this.layers.map((layer) => ({ ...layer,
-        clip: layer.outline.length ? layer.outline.map((line) => this.projected(line).map(([x, y]) => [x * dot, y * dot])) : null }));
-      const scene = { layers, turn, dot, places: plate.places, lift: this.times ? this.lift : null, times: this.times,
+      const scene = { turn, dot, places: plate.places, lift: this.times ? this.lift : null, times: this.times,
         scale: this.view.scale * dot, middle: this.view.middle, deep: 0.2 / plate.size, shown: this.shown };
-      pen.drawImage(painter.paint(scene, width, height), 0, 0);
+      for (const layer of this.layers) {
+        pen.save();
+        if (layer.outline.length) {
+          pen.beginPath();
+          for (const line of layer.outline) this.projected(line).forEach(([x, y], i) => (i ? pen.lineTo(x * dot, y * dot) : pen.moveTo(x * dot, y * dot)));
+          pen.clip("evenodd");
+        }
+        pen.drawImage(painter.paint(scene, layer, width, height), 0, 0);
+        pen.restore();
+      }
       pen.setTransform(dot, 0, 0, dot, 0, 0);
       this.drawMarks(pen);
       const { times } = this;
@@ -1046,11 +1007,9 @@
       const most = Math.max(Math.abs(low), Math.abs(high)), at = (value) => 100 * (value - low) / (high - low);
       const stops = Array.from({ length: 65 }, (_, i) => {
         const value = low + i / 64 * (high - low), k = 4 * Math.floor(clamp((value - range[0]) / (range[1] - range[0]), 0, 1) * 255.999);
-        return vector("stop", { offset: `${i / 0.64}%`, "stop-color": `rgb(${colours[k]},${colours[k + 1]},${colours[k + 2]})` });
+        return `rgb(${colours.subarray(k, k + 3).join()}) ${i / 0.64}%`;
       });
-      const id = `${this.controls.state.id}-colours`;
-      const bar = vector("svg", { class: "bar", viewBox: "0 0 100 12", preserveAspectRatio: "none", "aria-hidden": "true" },
-        vector("defs", {}, vector("linearGradient", { id }, ...stops)), vector("rect", { width: 100, height: 12, fill: `url(#${id})` }));
+      const bar = make("div", { className: "bar", style: `background: linear-gradient(to right, ${stops})` });
       const ticks = make("div", { className: "ticks" });
       for (let k = Math.ceil(low / every - 1e-9); k * every <= high + 1e-9 * every; k++)
         ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `left:${at(k * every)}%` }));
@@ -1096,19 +1055,36 @@
 
     // --- Print
 
-    // Replace the map by a picture of it, or back.
+    // Replace the map by a picture of it.
     freeze() {
       this.thaw();
-      this.paint(3);
-      this.picture = make("img", { className: "picture", src: this.canvas.toDataURL("image/png"), alt: this.canvas.getAttribute("aria-label") });
-      this.stage.append(this.picture);
+      this.stage.append(this.picture());
       this.stage.classList.add("frozen");
       this.paint();
-      return this.picture.decode();
+    }
+
+    // A picture as on a sheet of paper, so that its texts are as large as those around it.
+    picture() {
+      const { width, height, view } = this, part = Math.min(1, PAPER / width);
+      Object.assign(this, { width: width * part, height: height * part, view: { ...view, scale: view.scale * part } });
+      this.paint(3);
+      const picture = make("img", { className: "picture", src: this.canvas.toDataURL("image/png"), alt: this.canvas.getAttribute("aria-label") });
+      Object.assign(this, { width, height, view });
+      return picture;
+    }
+
+    // Pictures of further fields with their legends, behind the map.
+    async addPictures(fields) {
+      const { field } = this.at;
+      for (const name of fields.filter((one) => one !== field && this.own.fields[one])) {
+        await this.show({ field: name });
+        this.root.append(make("figure", { className: "further" }, this.legend.cloneNode(true), this.picture()));
+      }
+      await this.show({ field });
     }
 
     thaw() {
-      this.picture?.remove();
+      this.root.querySelectorAll(".picture, .further").forEach((one) => one.remove());
       this.stage.classList.remove("frozen");
     }
   }
@@ -1146,14 +1122,18 @@
     return viewer;
   }
 
-  // Replace every map by a picture, for print; the promise waits for maps that are still loading.
-  async function freeze() {
-    await Promise.all([...viewers].map((one) => one.ready));
-    await Promise.all([...viewers].map((one) => one.freeze()));
+  // Replace every map by pictures, for print: of its field, and of further fields if named. The promise waits for arrays.
+  async function freeze(fields = []) {
+    for (const one of viewers) {
+      await one.ready;
+      one.freeze();
+      await one.addPictures(fields);
+      await Promise.all([...one.root.querySelectorAll(".picture")].map((image) => image.decode()));
+    }
   }
 
   const thaw = () => viewers.forEach((one) => one.thaw());
-  window.addEventListener("beforeprint", () => viewers.forEach((one) => one.layers && one.freeze()));
+  window.addEventListener("beforeprint", () => viewers.forEach((one) => one.layers && !one.frozen && one.freeze()));
   window.addEventListener("afterprint", thaw);
   // For tests: draw without WebGL2.
   const useCanvas = (wanted) => { painter = wanted ? new Raster() : makePainter(); viewers.forEach((one) => one.draw()); };
