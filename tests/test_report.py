@@ -188,9 +188,6 @@ def test_every_text_is_in_both_languages() -> None:
     from signorini.reports.blocks import _catalogue
 
     assert all(set(one) == {"en", "de"} for one in _catalogue()["texts"].values())
-    from signorini.reports.maps import TEXTS
-
-    assert set(_catalogue()["de_maps"]) <= set(TEXTS)
 
 
 def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Results, Any]) -> None:

@@ -34,10 +34,10 @@ class Blobs:
 
     def add(self, differences: Ints, wide: bool = False) -> int | None:
         """Store differences as integers of 16 or 32 bits; return the number of the blob, None if there is no room."""
-        whole, bits = (np.int32, 31) if wide else (np.int16, 15)
-        signed = differences.astype(np.int64).astype(whole)
-        codes = ((signed << 1) ^ (signed >> bits)).astype(whole)
-        planes = codes.astype(codes.dtype.newbyteorder("<")).view(np.uint8).reshape(-1, codes.itemsize).T
+        bits, whole = (32, "<i4") if wide else (16, "<i2")
+        signed = ((differences + (1 << bits - 1)) & ((1 << bits) - 1)) - (1 << bits - 1)
+        codes = ((signed << 1) ^ (signed >> bits - 1)).astype(whole)
+        planes = codes.view(np.uint8).reshape(-1, codes.itemsize).T
         return self.add_bytes(np.ascontiguousarray(planes).tobytes())
 
     def add_bytes(self, content: bytes) -> int | None:

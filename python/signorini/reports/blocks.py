@@ -117,11 +117,6 @@ class Writer:
         """Translate words of the registry of quantities; words that are not in the catalogue stay English."""
         return words if self.language == "en" else str(_catalogue()[self.language].get(words, words))
 
-    @property
-    def of_maps(self) -> Mapping[str, str]:
-        """Texts of interactive maps that differ from the English ones."""
-        return {} if self.language == "en" else _catalogue()[f"{self.language}_maps"]
-
     def label(self, quantity: Quantity) -> str:
         """Description of a quantity with its unit, for the title of a column."""
         words = self.translated(quantity.words or quantity.name.replace("_", " ")).partition(", ")[0]

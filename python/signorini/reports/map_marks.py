@@ -30,18 +30,21 @@ def plate_marks(plate: Discretisation) -> dict[str, Any]:
         # Vertices of lines have states, so that all of them are kept.
         whole = one.style == "area" and asked.where.region is None
         lines = [] if whole else _drawn(one, exact if one.style == "area" else 0.0)
-        look = {"kind": one.kind, "style": one.style, "numbers": list(one.numbers), "lines": lines}
+        look: dict[str, Any] = {"kind": one.kind, "style": one.style, "numbers": list(one.numbers), "lines": lines}
         supports.append({"name": one.name, "words": one.label, "prints": lines_of(one.footprints, exact=exact)} | look)
     for load in load_marks(plate):
         look = {"style": load.style, "upward": load.upward, "lines": _drawn(load, exact)}
         loads.append({"case": load.case, "words": load.label, "prints": lines_of(load.footprints, exact=exact)} | look)
-    strips = [one for one in cuts if one.borders is not None]
     return {
         "supports": supports,
         "loads": loads,
         "zones": [{"line": lines_of(one.outline, exact=exact)} for one in zone_marks(plate)],
         "sections": [{"name": one.name, "line": lines_of(one.line)} for one in cuts if one.borders is None],
-        "strips": [{"name": one.name, "line": lines_of(one.line), "borders": lines_of(*one.borders)} for one in strips],
+        "strips": [
+            {"name": one.name, "line": lines_of(one.line), "borders": lines_of(*one.borders)}
+            for one in cuts
+            if one.borders is not None
+        ],
         "profiles": [{"name": one.name, "line": lines_of(one.places[1], exact=exact)} for one in model.profile],
         "probes": rounded([list(at) for probe in model.probe for at in probe.at]),
     }

@@ -37,37 +37,6 @@ MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
-TEXTS = {
-    "field": "Field",
-    "state": "Combination",
-    "stop": "Load factor",
-    "plate": "Plate",
-    "largest": "envelope, largest values",
-    "smallest": "envelope, smallest values",
-    "own": "own scale",
-    "mesh": "mesh",
-    "loads": "loads",
-    "cuts": "sections",
-    "supports": "supports",
-    "turn": "deformed view",
-    "times": "deflection ×",
-    "in": "zoom in",
-    "out": "zoom out",
-    "reset": "whole plate",
-    "contact": "edge of contact",
-    "open": "open",
-    "yields": "yields",
-    "excluded": "excluded from extremes (singular)",
-    "jump": "moments jump",
-    "at": "at",
-    "gap": "no contact",
-    "limit": "limit reached",
-    "left_out": "Not all combinations and fields fit into this page.",
-    "map": "Map of the plate. Arrow keys move it, plus and minus zoom, 0 shows the whole plate.",
-    "width": "± is the mesh error of the largest and smallest value.",
-    "none": "This browser cannot read the map's data.",
-}
-"""Texts of a viewer; a page may translate them."""
 _ENDS = ("largest", "smallest")
 ASSETS = ("maps.css", "maps.vert", "maps.frag", "maps.js")
 
@@ -76,7 +45,7 @@ ASSETS = ("maps.css", "maps.vert", "maps.frag", "maps.js")
 class MapData:
     """Data of a viewer: a header for JSON, and deflated arrays to which it refers by number."""
 
-    header: Mapping[str, Any]
+    header: dict[str, Any]
     content: bytes
 
 
@@ -348,7 +317,7 @@ class _Plate:
             blob = self.blobs.add(self.grid.at_nodes(codes) if layer.at_nodes else self.grid.on_elements(codes))
             if blob is None:
                 return None
-            about = {"blob": blob, "first": first, "power": power, "nodes": layer.at_nodes}
+            about: dict[str, Any] = {"blob": blob, "first": first, "power": power, "nodes": layer.at_nodes}
             if layer.bounds is not None:
                 about["bounds"] = [end if np.isfinite(end) else None for end in layer.bounds]
             if layer.area is not None:
@@ -372,9 +341,13 @@ class _Plate:
             self.header["areas"][number] = {"on": self.blobs.add(self.grid.on_elements(on)), "outline": outline}
 
 
-def map_html(data: MapData, element_id: str, texts: Mapping[str, str] | None = None) -> str:
-    """Markup of a viewer with its data; ``texts`` replaces `TEXTS`. Names are text: "<" is escaped in the data."""
-    header = json.dumps({**data.header, "texts": {**TEXTS, **(texts or {})}}, allow_nan=False, separators=(",", ":"))
+def map_html(data: MapData, element_id: str, language: str = "en", texts: Mapping[str, str] | None = None) -> str:
+    """Markup of a viewer with its data; "<" is escaped, so that names are text.
+
+    ``texts`` replaces texts of the ``language`` in ``assets/maps.json``, and words of fields by their names.
+    """
+    known = json.loads(_asset("maps.json"))[language] | dict(texts or {})
+    header = json.dumps(data.header | {"texts": known}, allow_nan=False, separators=(",", ":"))
     for letter in "<>&":
         header = header.replace(letter, f"\\u{ord(letter):04x}")
     return (
@@ -384,10 +357,13 @@ def map_html(data: MapData, element_id: str, texts: Mapping[str, str] | None = N
     )
 
 
+def _asset(name: str) -> str:
+    return (resources.files("signorini.reports") / "assets" / name).read_text(encoding="utf-8")
+
+
 def assets() -> dict[str, str]:
     """Style, shaders and script of the viewers by file name; a page embeds each once."""
-    folder = resources.files("signorini.reports") / "assets"
-    return {name: (folder / name).read_text(encoding="utf-8") for name in ASSETS}
+    return {name: _asset(name) for name in ASSETS}
 
 
 def assets_html() -> str:

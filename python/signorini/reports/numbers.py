@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from operator import itemgetter
 from typing import Any
 
@@ -246,8 +245,8 @@ def fields(of: Contents) -> Iterator[Block]:
 
 def _map(of: Contents, data: MapData, name: str) -> Map:
     """Interactive map with its texts in the language of the report."""
-    named = [field | {"words": of.write.translated(field["words"])} for field in data.header["fields"]]
-    return Map(map_html(replace(data, header={**data.header, "fields": named}), name, of.write.of_maps))
+    words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
+    return Map(map_html(data, name, of.write.language, words))
 
 
 def cuts(of: Contents) -> Iterator[Block]:

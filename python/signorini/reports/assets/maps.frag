@@ -4,6 +4,7 @@ precision highp float;
 in float v;
 uniform sampler2D colours;  // 256 × 1
 uniform vec2 range;         // values of the first and the last colour
+uniform vec2 ends;          // smallest and largest value of the legend; colours do not change beyond
 uniform vec2 bounds;        // values outside mark a gap
 uniform float yields;       // values from here on mark a yielding support
 uniform float every;        // distance of isolines in the unit of the value
@@ -19,13 +20,15 @@ void main() {
     colour = vec4(vec3(hatch ? 0.80 : 0.97), 1.0);
     return;
   }
-  int index = int(clamp((v - range.x) / (range.y - range.x), 0.0, 1.0) * 255.999);
+  int index = int(clamp((clamp(v, ends.x, ends.y) - range.x) / (range.y - range.x), 0.0, 1.0) * 255.999);
   vec3 c = texelFetch(colours, ivec2(index, 0), 0).rgb;
   if (every > 0.0 && g > 0.0) {
     float apart = every / g / dot;                       // distance of isolines [CSS pixels]
     float near = abs(v / every - round(v / every)) * apart;
     // Isolines fade where they would merge, and where the field is flat.
-    float fade = smoothstep(3.0, 9.0, apart) * (1.0 - smoothstep(400.0, 1200.0, apart));
+    float line = round(v / every) * every;
+    bool within = line > ends.x && line < ends.y;
+    float fade = within ? smoothstep(3.0, 9.0, apart) * (1.0 - smoothstep(400.0, 1200.0, apart)) : 0.0;
     c *= 1.0 - 0.45 * fade * (1.0 - smoothstep(0.3, 1.1, near));
   }
   if (v >= yields && mod(at.x - at.y, 7.0 * dot) < dot) c = mix(c, vec3(1.0), 0.5);

@@ -5,9 +5,10 @@
   const INK = "#1c2733", PALE = "#66737f", YIELDS = "#d9730d", CUT = "#9b1d8a", PROFILE = "#0b6e4f";
   const CASES = ["#0b5d8f", "#b4451f", "#5b3f9e", "#2c7a3f", "#8a6d00", "#a02860"];
   const LINES = { c: { width: 4, halo: 1.5 }, o: { colour: PALE, width: 1.4, dash: [3, 4], halo: 2.5 }, y: { colour: YIELDS, width: 4, halo: 1.5 } };
+  const DISC = { colour: PALE, width: 0.8, dash: [2, 2] }, JUMP = { colour: INK, width: 0.8, dash: [5, 4] };
   const AREA = { colour: PALE, width: 1, dash: [10, 3, 2, 3] };
   const FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
-  const MISSING = 65535, WANTED = 12000, SNAP = 7;
+  const MISSING = 65535, WANTED = 12000, SNAP = 7, PAPER = 680;
   const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
   const smooth = (a, b, x) => { const t = clamp((x - a) / (b - a), 0, 1); return t * t * (3 - 2 * t); };
 
@@ -16,25 +17,18 @@
   class Store {
     constructor(text, places) { this.text = text; this.places = places; }
 
-    async bytes(number) {
-      const [begin, length] = this.places[number];
-      const coded = atob(this.text.slice(begin / 3 * 4, Math.ceil((begin + length) / 3) * 4));
-      const bytes = new Uint8Array(length);
-      for (let i = 0; i < length; i++) bytes[i] = coded.charCodeAt(i);
-      const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-      return new Uint8Array(await new Response(stream).arrayBuffer());
-    }
-
-    // Differences from zigzag codes, whose low bytes come before their high bytes.
+    // Differences from deflated zigzag codes, whose low bytes come before their high bytes.
     async differences(number, wide = false) {
-      const bytes = await this.bytes(number), size = wide ? 4 : 2, count = bytes.length / size;
-      const result = new Int32Array(count);
-      for (let i = 0; i < count; i++) {
+      const [begin, length] = this.places[number], size = wide ? 4 : 2;
+      const coded = atob(this.text.slice(begin / 3 * 4, Math.ceil((begin + length) / 3) * 4));
+      const deflated = Uint8Array.from({ length }, (_, i) => coded.charCodeAt(i));
+      const stream = new Blob([deflated]).stream().pipeThrough(new DecompressionStream("deflate"));
+      const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), count = bytes.length / size;
+      return Int32Array.from({ length: count }, (_, i) => {
         let code = 0;
         for (let b = size - 1; b >= 0; b--) code = code * 256 + bytes[b * count + i];
-        result[i] = code % 2 ? -(code + 1) / 2 : code / 2;
-      }
-      return result;
+        return code % 2 ? -(code + 1) / 2 : code / 2;
+      });
     }
 
     async sums(number, wide = false) {
@@ -264,10 +258,11 @@
     const most = Math.max(Math.abs(low), Math.abs(high)) || 1;
     if (high - low <= 1e-9 * most) [low, high] = [low - 0.01 * most, high + 0.01 * most];
     const both = low < -1e-3 * most && high > 1e-3 * most;
-    const rough = (high - low) / 12, ten = 10 ** Math.floor(Math.log10(rough));
-    const every = [1, 2, 2.5, 5, 10].map((one) => one * ten).find((one) => one >= rough * 0.999);
+    const rough = (high - low) / 12, power = Math.floor(Math.log10(rough)), ten = 10 ** power;
+    const of = [1, 2, 2.5, 5, 10].find((one) => one * ten >= rough * 0.999), every = of * ten;
+    const decimals = Math.max(0, (of === 2.5) - power - (of === 10));
     const stops = both ? SIGNED : Math.abs(low) > Math.abs(high) ? [...RISING].reverse() : RISING;
-    return { low, high, every, colours: lut(stops), range: both ? [-most, most] : [low, high] };
+    return { low, high, ends: [low, high], every, decimals, colours: lut(stops), range: both ? [-most, most] : [low, high] };
   }
 
   const minus = (text) => text.replace(/-/g, "−");
@@ -295,12 +290,12 @@
   }
 
   // --- Two painters of a scene with the same result: WebGL2, and a canvas where it is missing --------------------------
-  // A scene has vertices `places` with `lift`, layers (values, indices, bounds, yields, clip), and a projection.
+  // A scene has vertices `places` with `lift` and a projection; a layer has values, indices, bounds, yields.
 
   class Glass {
     constructor() {
       this.canvas = document.createElement("canvas");
-      this.gl = this.canvas.getContext("webgl2", { antialias: true, stencil: true, preserveDrawingBuffer: true });
+      this.gl = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
       if (!this.gl) throw new Error("no WebGL2");
       const gl = this.gl, program = gl.createProgram();
       for (const [kind, name] of [[gl.VERTEX_SHADER, "maps.vert"], [gl.FRAGMENT_SHADER, "maps.frag"]]) {
@@ -313,10 +308,19 @@
       ["placeX", "placeY", "deflection", "value"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
       gl.linkProgram(program);
       gl.useProgram(program);
-      this.at = new Proxy({}, { get: (_, name) => gl.getUniformLocation(program, name) });
+      this.program = program;
       this.buffers = new WeakMap();
       this.colours = gl.createTexture();
       this.canvas.addEventListener("webglcontextlost", () => { painter = new Raster(); viewers.forEach((one) => one.draw()); });
+    }
+
+    set(uniforms) {
+      for (const [name, value] of Object.entries(uniforms)) {
+        const at = this.gl.getUniformLocation(this.program, name);
+        if (value.length === 9) this.gl.uniformMatrix3fv(at, false, value);
+        else if (value.length) this.gl.uniform2f(at, ...value);
+        else this.gl.uniform1f(at, value);
+      }
     }
 
     bind(target, array) {
@@ -331,96 +335,45 @@
 
     attribute(number, array) {
       const gl = this.gl;
-      if (!array) { gl.disableVertexAttribArray(number); gl.vertexAttrib1f(number, 0); return; }
+      if (!array) return gl.disableVertexAttribArray(number);
       this.bind(gl.ARRAY_BUFFER, array);
       gl.enableVertexAttribArray(number);
       gl.vertexAttribPointer(number, 1, gl.FLOAT, false, 0, 0);
     }
 
-    paint(scene, width, height) {
-      const { gl, at, canvas } = this;
+    paint(scene, layer, width, height) {
+      const { gl, canvas } = this, { turn, middle, times, deep, dot, shown: { range, ends, every } } = scene, { bounds, yields } = layer;
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       gl.viewport(0, 0, width, height);
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       gl.enable(gl.DEPTH_TEST);
-      gl.depthFunc(gl.LEQUAL);
       gl.bindTexture(gl.TEXTURE_2D, this.colours);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, scene.shown.colours);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      for (const layer of scene.layers) {
-        if (layer.clip) this.clip(layer.clip, width, height);
-        gl.uniformMatrix3fv(at.turn, false, scene.turn);
-        gl.uniform2f(at.scale, 2 * scene.scale / width, 2 * scene.scale / height);
-        gl.uniform2f(at.middle, ...scene.middle);
-        gl.uniform1f(at.times, scene.times);
-        gl.uniform1f(at.deep, scene.deep);
-        gl.uniform2f(at.range, ...scene.shown.range);
-        gl.uniform2f(at.bounds, ...layer.bounds);
-        gl.uniform1f(at.yields, layer.yields);
-        gl.uniform1f(at.every, scene.shown.every);
-        gl.uniform1f(at.dot, scene.dot);
-        gl.uniform1f(at.size, height);
-        [scene.places[0], scene.places[1], scene.lift, layer.values].forEach((array, i) => this.attribute(i, array));
-        this.bind(gl.ELEMENT_ARRAY_BUFFER, layer.indices);
-        gl.drawElements(gl.TRIANGLES, layer.indices.length, gl.UNSIGNED_INT, 0);
-        gl.disable(gl.STENCIL_TEST);
-      }
+      const scale = [2 * scene.scale / width, 2 * scene.scale / height];
+      this.set({ turn, scale, middle, times, deep, range, ends, bounds, yields, every, dot, size: height });
+      [...scene.places, scene.lift, layer.values].forEach((array, i) => this.attribute(i, array));
+      this.bind(gl.ELEMENT_ARRAY_BUFFER, layer.indices);
+      gl.drawElements(gl.TRIANGLES, layer.indices.length, gl.UNSIGNED_INT, 0);
       return canvas;
-    }
-
-    // Draw the next layer only inside loops of pixels: every fan inverts the stencil.
-    clip(loops, width, height) {
-      const { gl, at } = this;
-      gl.enable(gl.STENCIL_TEST);
-      gl.clear(gl.STENCIL_BUFFER_BIT);
-      gl.colorMask(false, false, false, false);
-      gl.depthMask(false);
-      gl.stencilFunc(gl.ALWAYS, 0, 1);
-      gl.stencilOp(gl.INVERT, gl.INVERT, gl.INVERT);
-      gl.uniformMatrix3fv(at.turn, false, [1, 0, 0, 0, 1, 0, 0, 0, 1]);
-      gl.uniform2f(at.scale, 2 / width, -2 / height);
-      gl.uniform2f(at.middle, width / 2, height / 2);
-      gl.uniform1f(at.times, 0);
-      for (const loop of loops) {
-        [0, 1].forEach((axis) => this.attribute(axis, Float32Array.from(loop, (place) => place[axis])));
-        [2, 3].forEach((number) => this.attribute(number, null));
-        gl.drawArrays(gl.TRIANGLE_FAN, 0, loop.length);
-      }
-      gl.colorMask(true, true, true, true);
-      gl.depthMask(true);
-      gl.stencilFunc(gl.NOTEQUAL, 0, 1);
-      gl.stencilOp(gl.KEEP, gl.KEEP, gl.KEEP);
     }
   }
 
   class Raster {
-    paint(scene, width, height) {
-      const canvas = Object.assign(document.createElement("canvas"), { width, height });
-      const pen = canvas.getContext("2d"), depth = new Float32Array(width * height).fill(Infinity);
-      const { turn, scale, middle, times, places: [x, y], lift } = scene, count = x.length;
-      const sx = new Float32Array(count), sy = new Float32Array(count), sz = new Float32Array(count);
-      for (let i = 0; i < count; i++) {
+    paint(scene, layer, width, height) {
+      const canvas = make("canvas", { width, height }), pen = canvas.getContext("2d"), image = pen.createImageData(width, height);
+      const { turn, scale, middle, times, places: [x, y], lift } = scene, depth = new Float32Array(width * height).fill(Infinity);
+      const [sx, sy, sz] = [0, 1, 2].map(() => new Float32Array(x.length));
+      for (let i = 0; i < x.length; i++) {
         const z = lift ? -times * lift[i] : 0;
         sx[i] = width / 2 + scale * (turn[0] * x[i] + turn[1] * y[i] + turn[2] * z - middle[0]);
         sy[i] = height / 2 - scale * (turn[3] * x[i] + turn[4] * y[i] + turn[5] * z - middle[1]);
         sz[i] = turn[6] * x[i] + turn[7] * y[i] + turn[8] * z;
       }
-      for (const layer of scene.layers) {
-        const own = Object.assign(document.createElement("canvas"), { width, height }), ownPen = own.getContext("2d");
-        const image = ownPen.createImageData(width, height);
-        for (let i = 0; i < layer.indices.length; i += 3)
-          this.triangle(image, depth, sx, sy, sz, layer, layer.indices.subarray(i, i + 3), scene);
-        ownPen.putImageData(image, 0, 0);
-        pen.save();
-        if (layer.clip) {
-          pen.beginPath();
-          for (const loop of layer.clip) loop.forEach(([px, py], i) => (i ? pen.lineTo(px, py) : pen.moveTo(px, py)));
-          pen.clip("evenodd");
-        }
-        pen.drawImage(own, 0, 0);
-        pen.restore();
-      }
+      for (let i = 0; i < layer.indices.length; i += 3)
+        this.triangle(image, depth, sx, sy, sz, layer, layer.indices.subarray(i, i + 3), scene);
+      pen.putImageData(image, 0, 0);
       return canvas;
     }
 
@@ -460,11 +413,12 @@
       data.fill((x + y) % (9 * dot) < dot ? 204 : 247, k, k + 3);
       return;
     }
-    const index = Math.floor(clamp((v - shown.range[0]) / (shown.range[1] - shown.range[0]), 0, 1) * 255.999);
+    const index = Math.floor(clamp((clamp(v, ...shown.ends) - shown.range[0]) / (shown.range[1] - shown.range[0]), 0, 1) * 255.999);
     let factor = 1;
     if (shown.every > 0 && g > 0) {
       const apart = shown.every / g / dot, near = Math.abs(v / shown.every - Math.round(v / shown.every)) * apart;
-      const fade = smooth(3, 9, apart) * (1 - smooth(400, 1200, apart));
+      const line = Math.round(v / shown.every) * shown.every, within = line > shown.ends[0] && line < shown.ends[1];
+      const fade = within ? smooth(3, 9, apart) * (1 - smooth(400, 1200, apart)) : 0;
       factor = 1 - 0.45 * fade * (1 - smooth(0.3, 1.1, near));
     }
     const hatch = v >= layer.yields && (((x - y) % (7 * dot)) + 7 * dot) % (7 * dot) < dot ? 0.5 : 0;
@@ -512,18 +466,13 @@
     }
   }
 
+  const ring = (x, y, r) => Array.from({ length: 49 }, (_, i) => [x + r * Math.cos(i * Math.PI / 24), y + r * Math.sin(i * Math.PI / 24)]);
+
   function make(tag, properties = {}, ...children) {
     const element = document.createElement(tag);
     for (const [name, value] of Object.entries(properties))
       if (name.startsWith("aria-") || name === "role" || name === "for") element.setAttribute(name, value);
       else element[name] = value;
-    element.append(...children);
-    return element;
-  }
-
-  function vector(tag, attributes, ...children) {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
     element.append(...children);
     return element;
   }
@@ -537,6 +486,7 @@
       this.data = JSON.parse(header.textContent);
       this.store = new Store(content.textContent.trim(), this.data.blobs);
       this.texts = this.data.texts;
+      for (const field of this.data.fields) field.words = this.texts[field.name] || field.words;
       this.plates = [];
       this.at = { state: 0, field: this.data.fields[0].name, plate: 0 };
       this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true };
@@ -547,9 +497,11 @@
       this.ready = this.show({});
     }
 
+    get frozen() { return this.stage.classList.contains("frozen"); }
     get state() { return this.data.states[this.at.state]; }
     get own() { return this.state.plates[this.at.plate]; }
     get plate() { return this.plates[this.at.plate]; }
+    get unit() { return this.field.unit.replaceAll(" ", "\u00a0"); }
     get field() { return this.data.fields.find((one) => one.name === this.at.field); }
     get turned() { return this.angles.up < 90 || this.angles.around !== 0 || this.inDepth; }
 
@@ -867,8 +819,8 @@
         sum += value; gap = false;
       }
       if (power === -Infinity) return null;
-      const largest = Math.max(...about.range.map(Math.abs)), { unit } = this.field;
-      const text = gap ? this.texts.gap : `${written(sum, power, largest, about.width)} ${unit}`.trim();
+      const largest = Math.max(...about.range.map(Math.abs));
+      const text = gap ? this.texts.gap : `${written(sum, power, largest, about.width)} ${this.unit}`.trim();
       return { value: sum, gap, text, at, node };
     }
 
@@ -903,25 +855,35 @@
       pen.fillStyle = "#fff";
       pen.fillRect(0, 0, width, height);
       painter ||= makePainter();
-      const layers = this.layers.map((layer) => ({ ...layer,
-        clip: layer.outline.length ? layer.outline.map((line) => this.projected(line).map(([x, y]) => [x * dot, y * dot])) : null }));
-      const scene = { layers, turn, dot, places: plate.places, lift: this.times ? this.lift : null, times: this.times,
+      const scene = { turn, dot, places: plate.places, lift: this.times ? this.lift : null, times: this.times,
         scale: this.view.scale * dot, middle: this.view.middle, deep: 0.2 / plate.size, shown: this.shown };
-      pen.drawImage(painter.paint(scene, width, height), 0, 0);
+      for (const layer of this.layers) {
+        pen.save();
+        if (layer.outline.length) {
+          pen.beginPath();
+          for (const line of layer.outline) this.projected(line).forEach(([x, y], i) => (i ? pen.lineTo(x * dot, y * dot) : pen.moveTo(x * dot, y * dot)));
+          pen.clip("evenodd");
+        }
+        pen.drawImage(painter.paint(scene, layer, width, height), 0, 0);
+        pen.restore();
+      }
       pen.setTransform(dot, 0, 0, dot, 0, 0);
       this.drawMarks(pen);
       const { times } = this;
       this.timesText.textContent = times ? plain(times, clamp(1 - Math.floor(Math.log10(times)), 0, 6), 1) : "";
     }
 
-    path(pen, places, { colour = INK, width = 1.5, dash = [], halo = 0, close = false } = {}) {
+    path(pen, places, look) {
       pen.beginPath();
       places.forEach(([x, y], i) => (i ? pen.lineTo(x, y) : pen.moveTo(x, y)));
-      if (close) pen.closePath();
+      this.stroke(pen, look);
+    }
+
+    stroke(pen, { colour = INK, width = 1.5, dash = [], halo = 0 } = {}) {
       pen.lineJoin = pen.lineCap = "round";
-      for (const [style, size, dashes] of [["rgba(255,255,255,0.85)", width + halo, []], [colour, width, dash]]) {
-        if (style !== colour && !halo) continue;
-        Object.assign(pen, { strokeStyle: style, lineWidth: size });
+      for (const [strokeStyle, lineWidth, dashes] of [["rgba(255,255,255,0.85)", width + halo, []], [colour, width, dash]]) {
+        if (lineWidth === width && strokeStyle !== colour) continue;
+        Object.assign(pen, { strokeStyle, lineWidth });
         pen.setLineDash(dashes);
         pen.stroke();
       }
@@ -936,10 +898,7 @@
         pen.moveTo(...p);
         pen.quadraticCurveTo(2 * q[0] - (p[0] + r[0]) / 2, 2 * q[1] - (p[1] + r[1]) / 2, ...r);
       }
-      Object.assign(pen, { strokeStyle: look.colour, lineWidth: look.width, lineCap: "round" });
-      pen.setLineDash(look.dash || []);
-      pen.stroke();
-      pen.setLineDash([]);
+      this.stroke(pen, look);
     }
 
     drawMarks(pen) {
@@ -951,17 +910,16 @@
         for (const side of sides.outline) this.path(pen, side.map(level), { colour: "#aab4bd", width: 0.8 });
       }
       for (const zone of marks.zones) for (const line of zone.line) this.path(pen, this.projected(line), { colour: PALE, width: 0.8, dash: [2, 3] });
-      this.drawSides(pen, sides.jump, { colour: INK, width: 0.8, dash: [5, 4] });
+      this.drawSides(pen, sides.jump, JUMP);
       this.drawSides(pen, sides.outline, { colour: INK, width: 1.6 });
       for (const line of own.contact) this.path(pen, this.projected(line), { width: 1.8, halo: 2.5 });
       const ends = about ? about.ends.map(([text, x, y]) => [text, this.projected([x, y])[0]]) : [];
       ends.forEach(([, at]) => labels.keep(...at, 6));
       for (const [text, at] of ends) {
-        this.path(pen, [[at[0] - 5, at[1]], [at[0] + 5, at[1]]], { halo: 3 });
-        this.path(pen, [[at[0], at[1] - 5], [at[0], at[1] + 5]], { halo: 3 });
+        for (const [a, b] of [[5, 0], [0, 5]]) this.path(pen, [[at[0] - a, at[1] - b], [at[0] + a, at[1] + b]], { halo: 3 });
         labels.add(minus(text), ...at, { bold: true, must: true });
       }
-      if (about) for (const [x, y, r] of plate.discs[about.discs]) this.path(pen, this.circle(x, y, r), { colour: PALE, width: 0.8, dash: [2, 2], close: true });
+      if (about) for (const [x, y, r] of plate.discs[about.discs]) this.path(pen, this.projected(ring(x, y, r).flat()), DISC);
       if (shown.loads) this.drawLoads(pen, marks.loads);
       if (shown.cuts) this.drawCuts(pen, marks, labels);
       if (shown.supports) marks.supports.forEach((one, i) => this.drawSupport(pen, one, own.supports && own.supports[i], labels));
@@ -969,16 +927,12 @@
       if (this.aim) this.drawAim(pen, this.aim);
     }
 
-    circle(x, y, r) {
-      return this.projected(Array.from({ length: 64 }, (_, i) => i).flatMap((i) => [x + r * Math.cos(i * Math.PI / 32), y + r * Math.sin(i * Math.PI / 32)]));
-    }
-
     drawAim(pen, { found, keyboard }) {
       const [x, y] = this.projected(found.at)[0];
       pen.beginPath();
       if (keyboard) { pen.moveTo(x - 9, y); pen.lineTo(x + 9, y); pen.moveTo(x, y - 9); pen.lineTo(x, y + 9); }
       pen.arc(x, y, 4.5, 0, 7);
-      for (const [strokeStyle, lineWidth] of [["#fff", 3.5], [INK, 1.4]]) { Object.assign(pen, { strokeStyle, lineWidth }); pen.stroke(); }
+      this.stroke(pen, { width: 1.4, halo: 2 });
     }
 
     drawLoads(pen, loads) {
@@ -990,13 +944,11 @@
           this.path(pen, this.projected(line), { colour, width: load.style === "line" ? 2.5 : 1.4, dash: [7, 3], halo: 1.5 });
         for (const at of load.style === "points" ? load.lines : []) {
           const [x, y] = this.projected(at)[0];
-          for (const r of load.upward ? [6, 1] : [6]) this.path(pen, this.round(x, y, r), { colour, width: 1.6, halo: 2, close: true });
+          for (const r of load.upward ? [6, 1] : [6]) this.path(pen, ring(x, y, r), { colour, width: 1.6, halo: 2 });
           if (!load.upward) for (const s of [1, -1]) this.path(pen, [[x - 4, y - 4 * s], [x + 4, y + 4 * s]], { colour, width: 1.6 });
         }
       }
     }
-
-    round(x, y, r) { return Array.from({ length: 24 }, (_, i) => [x + r * Math.cos(i * Math.PI / 12), y + r * Math.sin(i * Math.PI / 12)]); }
 
     drawCuts(pen, marks, labels) {
       const cut = (line, name, look) => {
@@ -1051,15 +1003,13 @@
     // --- Legend and key
 
     drawLegend() {
-      const { low, high, every, range, colours } = this.shown, { words, unit } = this.field, W = 1000, decimals = Math.max(0, Math.ceil(-Math.log10(every) - 1e-9) + (String(every / 10 ** Math.floor(Math.log10(every))).startsWith("2.5") ? 1 : 0));
+      const { low, high, every, range, colours, decimals } = this.shown, { unit } = this, { words } = this.field;
       const most = Math.max(Math.abs(low), Math.abs(high)), at = (value) => 100 * (value - low) / (high - low);
       const stops = Array.from({ length: 65 }, (_, i) => {
         const value = low + i / 64 * (high - low), k = 4 * Math.floor(clamp((value - range[0]) / (range[1] - range[0]), 0, 1) * 255.999);
-        return vector("stop", { offset: `${i / 0.64}%`, "stop-color": `rgb(${colours[k]},${colours[k + 1]},${colours[k + 2]})` });
+        return `rgb(${colours.subarray(k, k + 3).join()}) ${i / 0.64}%`;
       });
-      const id = `${this.controls.state.id}-colours`;
-      const bar = vector("svg", { class: "bar", viewBox: `0 0 ${W} 12`, preserveAspectRatio: "none", "aria-hidden": "true" },
-        vector("defs", {}, vector("linearGradient", { id }, ...stops)), vector("rect", { width: W, height: 12, fill: `url(#${id})` }));
+      const bar = make("div", { className: "bar", style: `background: linear-gradient(to right, ${stops})` });
       const ticks = make("div", { className: "ticks" });
       for (let k = Math.ceil(low / every - 1e-9); k * every <= high + 1e-9 * every; k++)
         ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `left:${at(k * every)}%` }));
@@ -1094,8 +1044,8 @@
       if (bounded) item((pen) => hatched(pen, "#f7f7f7", "#ccc"), texts.gap);
       if (this.layers.some((one) => one.yields < 1e38)) item((pen) => hatched(pen, "#25437f", "#92a1bf"), texts.limit);
       if (own.contact.length) item(line({ width: 1.8 }), texts.contact);
-      if (plate.sides.jump.length) item(line({ width: 0.8, dash: [5, 4] }), texts.jump);
-      if (plate.discs[own.fields[this.at.field]?.discs]?.length) item((pen) => this.path(pen, this.round(15, 10, 7), { colour: PALE, width: 0.8, dash: [2, 2], close: true }), texts.excluded);
+      if (plate.sides.jump.length) item(line(JUMP), texts.jump);
+      if (plate.discs[own.fields[this.at.field]?.discs]?.length) item((pen) => this.path(pen, ring(15, 10, 7), DISC), texts.excluded);
       const cases = [...new Set(marks.loads.map((one) => one.case))];
       if (shown.loads) for (const load of marks.loads) item(line({ colour: CASES[cases.indexOf(load.case) % CASES.length], width: 2, dash: load.style === "points" ? [] : [7, 3] }), load.words);
       this.key.replaceChildren(...items);
@@ -1105,19 +1055,36 @@
 
     // --- Print
 
-    // Replace the map by a picture of it, or back.
+    // Replace the map by a picture of it.
     freeze() {
       this.thaw();
-      this.paint(3);
-      this.picture = make("img", { className: "picture", src: this.canvas.toDataURL("image/png"), alt: this.canvas.getAttribute("aria-label") });
-      this.stage.append(this.picture);
+      this.stage.append(this.picture());
       this.stage.classList.add("frozen");
       this.paint();
-      return this.picture.decode();
+    }
+
+    // A picture as on a sheet of paper, so that its texts are as large as those around it.
+    picture() {
+      const { width, height, view } = this, part = Math.min(1, PAPER / width);
+      Object.assign(this, { width: width * part, height: height * part, view: { ...view, scale: view.scale * part } });
+      this.paint(3);
+      const picture = make("img", { className: "picture", src: this.canvas.toDataURL("image/png"), alt: this.canvas.getAttribute("aria-label") });
+      Object.assign(this, { width, height, view });
+      return picture;
+    }
+
+    // Pictures of further fields with their legends, behind the map.
+    async addPictures(fields) {
+      const { field } = this.at;
+      for (const name of fields.filter((one) => one !== field && this.own.fields[one])) {
+        await this.show({ field: name });
+        this.root.append(make("figure", { className: "further" }, this.legend.cloneNode(true), this.picture()));
+      }
+      await this.show({ field });
     }
 
     thaw() {
-      this.picture?.remove();
+      this.root.querySelectorAll(".picture, .further").forEach((one) => one.remove());
       this.stage.classList.remove("frozen");
     }
   }
@@ -1155,14 +1122,18 @@
     return viewer;
   }
 
-  // Replace every map by a picture, for print; the promise waits for maps that are still loading.
-  async function freeze() {
-    await Promise.all([...viewers].map((one) => one.ready));
-    await Promise.all([...viewers].map((one) => one.freeze()));
+  // Replace every map by pictures, for print: of its field, and of further fields if named. The promise waits for arrays.
+  async function freeze(fields = []) {
+    for (const one of viewers) {
+      await one.ready;
+      one.freeze();
+      await one.addPictures(fields);
+      await Promise.all([...one.root.querySelectorAll(".picture")].map((image) => image.decode()));
+    }
   }
 
   const thaw = () => viewers.forEach((one) => one.thaw());
-  window.addEventListener("beforeprint", () => viewers.forEach((one) => one.layers && one.freeze()));
+  window.addEventListener("beforeprint", () => viewers.forEach((one) => one.layers && !one.frozen && one.freeze()));
   window.addEventListener("afterprint", thaw);
   // For tests: draw without WebGL2.
   const useCanvas = (wanted) => { painter = wanted ? new Raster() : makePainter(); viewers.forEach((one) => one.draw()); };

@@ -99,10 +99,7 @@
       await viewer.show(wanted);
       viewer.paint(1.6);
       const figure = document.createElement("figure"), image = document.createElement("img");
-      const legend = viewer.legend.cloneNode(true), gradient = legend.querySelector("[id]");
-      const id = `${map.id}-print-${shown.childElementCount}`;
-      legend.querySelector("rect").setAttribute("fill", `url(#${id})`);
-      gradient.id = id;
+      const legend = viewer.legend.cloneNode(true);
       image.src = viewer.canvas.toDataURL("image/png");
       image.alt = legend.querySelector(".title").textContent;
       figure.className = "signorini-map";
