@@ -26,7 +26,7 @@ def plate_marks(plate: Discretisation) -> dict[str, Any]:
     """Marks of one plate that no load changes."""
     model, cuts, exact = plate.model, cut_marks(plate.model), plate.mesh.size * EXACT
     supports, loads = [], []
-    for asked, one in zip(model.support, unsolved_marks(plate), strict=True):
+    for asked, one in zip(model.support, unsolved_marks(plate), strict=False):
         # Vertices of lines have states, so that all of them are kept.
         whole = one.style == "area" and asked.where.region is None
         lines = [] if whole else _drawn(one, exact if one.style == "area" else 0.0)
