@@ -191,7 +191,15 @@ def test_every_text_is_in_both_languages() -> None:
 
 
 def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Results, Any]) -> None:
-    own = {"name": "soil", "value": 90.0, "limit": 100.0, "utilisation": 0.9, "governing": "SLS", "place": [1.0, 2.0]}
+    own = {
+        "name": "soil",
+        "of": "deflection",
+        "value": 90.0,
+        "limit": 100.0,
+        "utilisation": 0.9,
+        "governing": "SLS",
+        "place": [1.0, 2.0],
+    }
     checks = [own | {"plus_minus": 0.02}, own | {"name": "tight", "plus_minus": 0.2}]
     checks.append(own | {"name": "over", "value": 120.0, "utilisation": 1.2, "plus_minus": 0.1})
     (table, *_) = [one for one in numbers.summary(contents(solved, checks=checks)) if isinstance(one, Table)]
@@ -201,7 +209,7 @@ def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Result
         ("soil", "passed"),
         ("tight", "undecided within the mesh error"),
     ]
-    assert said[1][1:6] == ["90", "100", "0.9000 ± 0.020", "C3: SLS", "(1; 2)"]
+    assert said[1][1:7] == ["90", "100", "m", "0.9000 ± 0.020", "C3: SLS", "(1; 2)"]
 
 
 def test_a_sheet_for_each_punched_column(solved: tuple[signorini.Results, Any]) -> None:

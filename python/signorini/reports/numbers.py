@@ -10,7 +10,7 @@ from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
 from signorini.reports.maps import MapData, map_data, map_html
-from signorini.reports.sections import Contents
+from signorini.reports.sections import Contents, value_of
 from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, PICTURED, SIDES, THROUGH, Quantity
 
 _ACROSS = 8
@@ -40,16 +40,32 @@ def extremes(of: Contents, name: str) -> Iterator[tuple[str, float, Any, str, An
         yield side, own[side], _width(one["plus_minus"], *path, side), one["name"], own[f"{side}_at"]
 
 
-def _checks(of: Contents) -> Iterator[tuple[str, Any, Any, float, Any, str, Any]]:
-    """Yield name, value, limit, utilisation, half-width, governing combination and place of every check."""
+def _limited(of: Contents, value: Any, limit: Any) -> list[Cell]:
+    """Cells of a value and of its limit, or of its two limits."""
+    ends = limit if isinstance(limit, list) else [limit]
+    texts = [of.write.number(end) for end in ends]
+    return [of.write.number(value), texts[0] if len(ends) == 1 else Cell(" … ".join(cell.text for cell in texts))]
+
+
+def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, float, Any, str, Any]]:
+    """Yield name, checked number, value, limit, utilisation, half-width, governing combination and place of checks."""
     for one in of.values.get("checks") or ():
         place, used = one.get("place"), one.get("utilisation")
         if used is not None:
-            yield one["name"], one["value"], one["limit"], used, one.get("plus_minus"), one["governing"], place
+            yield (
+                one["name"],
+                one["of"],
+                one["value"],
+                one["limit"],
+                used,
+                one.get("plus_minus"),
+                one["governing"],
+                place,
+            )
     for name, one, width, by in _columns(of):
         value, limit = one["v_ed"], one["v_rd_c"]
         told = _width(width, "utilisation")
-        yield f"{of.write('punching')} {name}", value, limit, one["utilisation"], told, by, one["at"]
+        yield f"{of.write('punching')} {name}", "v_ed", value, limit, one["utilisation"], told, by, one["at"]
 
 
 def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
@@ -84,16 +100,16 @@ def summary(of: Contents) -> Iterator[Block]:
     rows = [
         [
             Cell(name),
-            write.number(value),
-            write.number(limit),
+            *_limited(of, value, limit),
+            Cell(of.unit_of(checked)),
             write.number(used, width),
             Cell(of.code(by)),
             write.place(place),
             Cell(verdict(of, used, width)),
         ]
-        for name, value, limit, used, width, by, place in sorted(_checks(of), key=lambda check: -check[3])
+        for name, checked, value, limit, used, width, by, place in sorted(_checks(of), key=lambda check: -check[4])
     ]
-    head = ("check", "value", "limit", "utilisation", "governing", "place", "verdict")
+    head = ("check", "value", "limit", "unit", "utilisation", "governing", "place", "verdict")
     yield Table(write("checks"), [write(key) for key in head], rows) if rows else Text(write("no_checks"))
     yield Table(
         write("extremes"),
@@ -303,62 +319,56 @@ def load_path(of: Contents) -> Iterator[Block]:
 
 _FORMULAS = {
     "EN 1992-1-1:2004": {
+        "beta": "1 + Σ k · M/V · u1/W1; edge and corner columns by u1/u1* + …",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
         "v_ed_face": "β · V / (u0 · d)",
-        "v_rd_c": "0.18/γc · k · (100 ρ fck)^⅓ ≥ vmin",
-        "v_rd_max": "0.4 · 0.6 (1 − fck/250) · fck/γc",
-        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef)",
+        "v_rd_c": "0.18/γc · k · (100 ρ fck)^⅓ ≥ 0.035 k^1.5 fck^½ in MPa; γc = 1.5; k = 1 + √(200 mm/d) ≤ 2; "
+        "ρ = √(ρx ρy) ≤ 0.02; on foundations times 2 d/a",
+        "v_rd_max": "0.4 · ν · fck/γc; ν = 0.6 (1 − fck/250 MPa)",
+        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef); fywd,ef = 250 + 0.25 d ≤ fyk/1.15 in MPa and mm",
         "uout": "β · |V − ΔV| / (vRd,c · d)",
         "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
     },
     "ACI 318-19": {
-        "v_ed": "Vu / (bo d) + γv Msc c / Jc",
-        "v_rd_c": "φ vc",
+        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
+        "v_rd_c": "φ vc, φ = 0.75",
         "v_rd_max": "φ 0.5 √f'c",
         "utilisation": "vu / (φ vc)",
     },
 }
 """Formulas of the numbers of punching by code."""
+_GIVEN = ("column", "diameter", "d", "rho", "fck", "fyk")
 
 
 def punching(of: Contents) -> Iterator[Block]:
     """Yield a sheet for each column: every number with its unit, formula and clause."""
     write, units = of.write, of.results.model.units
-    kinds = {
-        number.what: number.quantity
-        for number in of.results.combined.layout.catalogue.numbers
-        if number.path[0] == "punching"
-    }
     given = {str(one.get("support", one.get("load"))): one for one in of.input.get("punching", ())}
     for name, column, widths, by in _columns(of):
         own = given.get(name.partition("[")[0], {})
         yield Text(f"{name}, {write.place(column['at']).text}, {write('combination')} {of.code(by)}", "heading")
         rows = [
-            [Cell(key), Cell(""), Cell(str(own[key])), Cell(""), Cell(write("input"))]
-            for key in ("column", "diameter", "d", "rho", "fck", "fyk")
+            [Cell(key), Cell(""), value_of(of, key, own[key]), Cell(""), Cell(write("input"))]
+            for key in _GIVEN
             if key in own
         ]
-        clauses, formulas = column["clauses"], _FORMULAS.get(column["code"], {})
-        for key, value in column.items():
-            values = value if isinstance(value, list) and key != "at" else [value]
-            for part, single in zip(("x", "y"), values, strict=False):
-                name_of = f"{key}_{part}" if len(values) > 1 else key
-                if isinstance(single, int | float) and name_of in kinds:
-                    quantity, path = kinds[name_of], kinds[name_of].path
-                    cells = [
-                        Cell(name_of),
-                        Cell(write.translated(quantity.words)),
-                        write.number(single, _width(widths, *path)),
-                    ]
-                    formula = f"= {formulas[key]}; {clauses.get(key, '')}" if key in formulas else clauses.get(key, "")
-                    rows.append([*cells, Cell(quantity.unit(units)), Cell(formula)])
+        if isinstance(own.get("d"), list):
+            mean = write.number(sum(own["d"]) / 2)
+            rows.append([Cell("d"), Cell(write("mean_d")), mean, Cell(units.length), Cell("= (dx + dy)/2; Eq. (6.32)")])
+        formulas = _FORMULAS.get(column["code"], {})
+        for key, values in column.items():
+            pair = isinstance(values, list)
+            for part, value in zip(("_x", "_y"), values if pair else [values], strict=False):
+                if (quantity := of.quantities.get(("punching", key + part * pair))) is not None:
+                    cells = [Cell(quantity.name), Cell(write.translated(quantity.words))]
+                    cells += [write.number(value, _width(widths, *quantity.path)), Cell(quantity.unit(units))]
+                    why = [f"= {formulas[key]}" if key in formulas else "", column["clauses"].get(key, "")]
+                    rows.append([*cells, Cell("; ".join(filter(None, why)))])
         used, width = column["utilisation"], _width(widths, "utilisation")
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
-        yield Table(name, head, rows)
-        result = verdict(of, used, width)
-        yield Text(
-            f"{write('utilisation')} {write.number(used, width).text}: {result}", "good" if used <= 1.0 else "bad"
-        )
+        yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
+        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict(of, used, width)}"
+        yield Text(words, "good" if used <= 1.0 else "bad")
 
 
 def warnings(of: Contents) -> Iterator[Block]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from signorini.equilibrium.balance import NO_FORCE
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
 from signorini.results.load_path import LoadPath
-from signorini.results.quantities import PICTURED
+from signorini.results.quantities import PICTURED, Quantity
 
 _MOST_ROWS = 500
 """Largest number of combinations that are listed."""
@@ -47,6 +48,22 @@ class Contents:
         """Tables of the input."""
         tables: Mapping[str, Any] = self.values["input"]["model"]
         return tables
+
+    @cached_property
+    def quantities(self) -> Mapping[tuple[str, str], Quantity]:
+        """Quantities of the results by the kind of their owner and their name."""
+        every = (number for one in self.results.full.values() for number in one.catalogue.numbers)
+        return {(number.home, number.what): number.quantity for number in every}
+
+    def unit_of(self, checked: str) -> str:
+        """Unit of the number or field that a check names, such as "soil.max_pressure"."""
+        name = checked.rpartition(".")[2]
+        found = (
+            [PICTURED[name]]
+            if name in PICTURED
+            else [one for (_, what), one in self.quantities.items() if what == name]
+        )
+        return found[0].unit(self.write.units) if found else ""
 
     def code(self, name: str) -> str:
         """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
@@ -92,7 +109,7 @@ def materials(of: Contents) -> Iterator[Block]:
     parts += [(write("reinforcement"), of.input.get("reinforcement"))]
     for owner, table in parts:
         for key, value in _flat(table or {}, ("mesh", "points", "holes", "area", "shape", "origin", "size", "element")):
-            rows.append([Cell(owner), Cell(key), _value(of, key.rpartition(".")[2], value)])
+            rows.append([Cell(owner), Cell(key), value_of(of, key.rpartition(".")[2], value)])
     yield Table(write("materials"), [write("part"), write("property"), write("value")], rows)
     rows = [
         [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(str(value))]
@@ -118,7 +135,7 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
             yield before + key, value
 
 
-def _value(of: Contents, key: str, value: Any) -> Cell:
+def value_of(of: Contents, key: str, value: Any) -> Cell:
     """Cell of a value of the input with its unit, if the unit of its key is known."""
     units = of.write.units
     unit = units.force_by_length(_UNITS[key]) if key in _UNITS else units.length if key in _LENGTHS else ""
@@ -154,7 +171,7 @@ def geometry(of: Contents) -> Iterator[Block]:
     for kind in ("support", "contact"):
         for index, table in enumerate(of.input.get(kind, ()), 1):
             place = _place(of, table)
-            rest = (f"{key} = {_value(of, key, value).text}" for key, value in table.items())
+            rest = (f"{key} = {value_of(of, key, value).text}" for key, value in table.items())
             shown = [text for key, text in zip(table, rest, strict=True) if key not in ("name", *_PLACES)]
             rows.append([Cell(str(table.get("name", f"{kind} {index}"))), Cell(place), Cell("; ".join(shown))])
     yield Table(write("supports"), [write("support"), write("place"), write("properties")], rows)
@@ -170,7 +187,7 @@ def loads(of: Contents) -> Iterator[Block]:
     for table in of.input.get("load", ()):
         place = _place(of, table, write("everywhere"))
         shown = (
-            f"{key} = {_value(of, key, value).text}" for key, value in table.items() if key not in ("case", *_PLACES)
+            f"{key} = {value_of(of, key, value).text}" for key, value in table.items() if key not in ("case", *_PLACES)
         )
         rows.append([Cell(str(table.get("case", "load"))), Cell("; ".join(shown)), Cell(place)])
     yield Table(write("loads"), [write("case"), write("load"), write("place")], rows)
@@ -210,7 +227,7 @@ def combinations(of: Contents) -> Iterator[Block]:
 def glossary(of: Contents) -> Iterator[Block]:
     """Yield the quantities of the registry that the results have, with their units."""
     write, rows = of.write, dict[str, Sequence[Cell]]()
-    for one in (*PICTURED.values(), *(each.quantity for each in of.results.combined.layout.catalogue.numbers)):
+    for one in (*PICTURED.values(), *of.quantities.values()):
         words = write.translated(one.words or one.name.replace("_", " "))
         rows.setdefault(words, [Cell(one.name), Cell(words), Cell(one.unit(write.units) or "–")])
     yield Table(write("glossary"), [write("symbol"), write("meaning"), write("unit")], list(rows.values()))
