@@ -24,6 +24,7 @@ from signorini.model.plate import (
     Refinement,
 )
 from signorini.model.punching import Punching
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -35,5 +36,7 @@ __all__ = [
     "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
     "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip",
     "Support", "Tightening", "Units", "Zone", "validate",
+    "Refinement", "Report", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone",
+    "validate",
 ]
 # fmt: on
