@@ -353,6 +353,16 @@ def test_a_phone_shows_the_whole_map(opened: Opened, slab: Results) -> None:
     assert box["width"] > 330 and box["height"] < 844
 
 
+def test_an_envelope_names_the_governing_combination(opened: Opened, slab: Results) -> None:
+    shown, envelope = opened(map_data(slab)), slab.envelope
+    shown.show(state=0, field="mx")
+    nodes = slab["ULS"].stress_nodes
+    alone = np.flatnonzero(~np.isin(np.arange(nodes.mesh.node_count), nodes.further))[::400]
+    for node in alone.tolist():
+        name = slab.key(int(envelope.fields["mx"].largest_by[node]))
+        assert shown.js("return v.value(...a).by", nodes.points[node].tolist()) == name
+
+
 def test_half_widths_stand_beside_values(opened: Opened, footing: Results) -> None:
     estimates = signorini.estimate(footing)
     shown = opened(map_data(footing, estimates))

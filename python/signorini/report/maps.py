@@ -18,7 +18,7 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.discretisation import OfWhole
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.expression.expression import Expression
 from signorini.report.blobs import Blobs, Grid, decimal_codes, rounded
@@ -37,6 +37,8 @@ MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
+_MOST_NAMES = 500
+"""Largest number of governing combinations that are named under the pointer."""
 _ENDS = ("largest", "smallest")
 ASSETS = ("maps.css", "maps.vert", "maps.frag", "maps.js")
 
@@ -57,6 +59,8 @@ class _Layer(NamedTuple):
     bounds: tuple[float, float] | None = None  # a pressure outside them marks a gap
     number: int = -1
     area: AreaContact | None = None
+    by: Ints | None = None  # (s,): numbers of the rows that the values of an envelope come from
+    key: Callable[[int], str] = str  # name of a row
 
     @property
     def limit(self) -> float | None:
@@ -148,7 +152,8 @@ class _OfEnvelope:
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         nodes = plate.own.stress_nodes
         if name != PRESSURE.name:
-            yield _Layer(nodes.spread(getattr(self.envelope.on(plate).fields[name], _ENDS[self.end])))
+            values, by = self.envelope.on(plate).fields[name].sides[self.end]
+            yield _Layer(nodes.spread(values), by=by[nodes.nodes] if len(by) < nodes.count else by, key=self.key)
             return
         for kind, (where, extremes) in self.envelope.pressures.items():
             at_nodes = kind == "contact_pressure"
@@ -326,6 +331,10 @@ class _Plate:
             if layer.area is not None:
                 about |= {"area": layer.number, "limit": layer.limit}
                 self._keep_area(layer.number, layer.area)
+            if layer.by is not None:
+                rows, numbers = np.unique(layer.by, return_inverse=True)
+                by = self.blobs.add(self.grid.at_nodes(numbers)) if len(rows) <= _MOST_NAMES else None
+                about |= {} if by is None else {"by": by, "names": [layer.key(row) for row in rows.tolist()]}
             if blob is None or any(area["on"] is None for area in self.header["areas"].values()):
                 return None
             result.append(about)
