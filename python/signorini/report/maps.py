@@ -206,11 +206,17 @@ def map_data(
         if state.has(of.plate, name)
     )
     stored: list[list[dict[str, Any]]] = [[{} for _ in plates] for _ in states]
+    left_out = len(asked)
     for _, order, row, plate in asked:
         name, state, of = fields[order], states[row], plates[plate]
-        layers = of.store(state.layers(of.plate, name), _largest(state, of.plate, name))
+        values = list(state.layers(of.plate, name))
+        known = any(np.isfinite(one.values).any() for one in values)  # a given stiffness has no stresses
+        layers = of.store(values, _largest(state, of.plate, name)) if known else []
         if layers is None:
             break
+        left_out -= 1
+        if not layers:
+            continue
         about = state.describe(of.plate, name)
         stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
     kept = [name for name in fields if any(name in of for row in stored for of in row)]
@@ -234,7 +240,7 @@ def map_data(
             for state, row in zip(states, stored, strict=True)
             if any(row)
         ],
-        "left_out": len(asked) - sum(len(of) for row in stored for of in row),
+        "left_out": left_out,
         "blobs": blobs.places,
     }
     return MapData(header, bytes(blobs.content))
@@ -319,7 +325,7 @@ class _Plate:
             raise InputError(f"found {blobs.room}; the mesh alone needs more bytes.", place="budget")
         return cls(plate, blobs, grid, header)
 
-    def store(self, layers: Iterator[_Layer], largest: float) -> list[dict[str, Any]] | None:
+    def store(self, layers: Sequence[_Layer], largest: float) -> list[dict[str, Any]] | None:
         """Store the layers of a field and return their descriptions; None without room."""
         result = []
         for layer in layers:
