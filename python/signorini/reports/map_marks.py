@@ -61,7 +61,7 @@ def support_states(result: Result, widths: Mapping[str, Any] | None) -> list[dic
     """States of the supports of one plate: a letter for each point, c closed, o open, y yielding, and reactions."""
     model = result.model
     size = size_of([one.reaction for one in result.supports] + [size_of(one.reactions) for one in result.supports])
-    marks = support_marks(result.mesh, model.support, result.supports)
+    marks = support_marks(result)
     known = [None] * len(marks) if widths is None else [*widths["supports"], *widths.get("contacts", ())]
     states = []
     for asked, mark, one, width in zip(model.support, marks, result.supports, known, strict=False):
