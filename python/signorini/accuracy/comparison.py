@@ -31,6 +31,7 @@ from signorini.base.remade import Brief
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
+from signorini.results.checks import widened
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.notebook import in_notebook
@@ -274,6 +275,7 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     output, grow = compared(values, numbers, meshes, model, probes, [(result.singular, np.ones(1, np.bool_))])
     widths = np.full(len(catalogue), np.nan)
     widths[told] = output[:, 0]
+    widths = _with_checks(result, widths)
     by_path = {one.path: known(width) for one, width in zip(catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
@@ -298,11 +300,15 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     }
     ends, names = list(each.values()), list(each)
     widths, plates = np.empty(len(result.catalogue)), dict[Path, str]()
+    widths[:] = np.nan
     for row, (number, of) in enumerate(zip(result.catalogue, result.catalogue.in_plates, strict=True)):
+        if not of:
+            continue
         values = np.array([[ends[plate].result.numbers[place]] for plate, place in of])
         own = np.array([[ends[plate].widths[place]] for plate, place in of])
         (which,) = plates_of_extremes(result.numbers[row : row + 1], values, own).tolist()
         widths[row], plates[number.path] = own[which, 0], names[of[which][0]]
+    widths = _with_checks(result, widths)
     by_path = {one.path: known(width) for one, width in zip(result.catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, others[0])
     for name, one in result.plates.items():
@@ -314,6 +320,11 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     warnings = said_of({name: one.warnings for name, one in each.items()})
     elements = tuple(sum(counts) for counts in zip(*(one.elements for one in each.values()), strict=True))
     return Estimate(result, widths, with_widths(figures(result), by_path), elements, warnings, each)
+
+
+def _with_checks(result: Result, widths: Floats) -> Floats:
+    """Half-widths (n,) of a result with those of its checks."""
+    return np.ravel(widened(result.catalogue, result.numbers[None], widths[None], result.model.has_limits))
 
 
 def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:

@@ -249,7 +249,7 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
     return (
         result
         | _stresses(model, mesh, result)
-        | {"area": none + mesh.element_area.sum(), "part": none + 1.0, "count": none}
+        | {"area": none + mesh.element_area.sum(), "length": none + mesh.size, "part": none + 1.0, "count": none}
     )
 
 

@@ -26,6 +26,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
+from signorini.results.checks import widened
 from signorini.results.envelope import NONE
 from signorini.results.quantities import Number
 from signorini.results.rows import Column, Layout
@@ -219,7 +220,7 @@ class _Rows:
         ``tables`` are in the order of the meshes. A half-width is NaN if it is unknown, or if a mesh has no
         equilibrium.
         """
-        told = [one for one in self.layout.catalogue if one.quantity.kind != "count"]
+        told = [one for one in self.layout.catalogue if one.estimated and one.quantity.kind != "count"]
         numbers: list[Number] = [one for one in told if all(one.column in table for table in tables)]
         out = np.full((len(numbers), len(combinations)), np.nan)
         for first in range(0, len(combinations), _TOGETHER):
@@ -237,7 +238,21 @@ class _Rows:
             whole, *parts = (np.asarray(shown[numbers[at].column]) for at in (row, *each))
             which = plates_of_extremes(whole, np.array(parts), out[each])
             out[row] = np.take_along_axis(out[each], which[None], axis=0)[0]
-        return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
+        found = {one.column: width for one, width in zip(numbers, out, strict=True)}
+        return {column + ENDING: width for column, width in (found | self._of_checks(found, shown)).items()}
+
+    def _of_checks(self, widths: Mapping[str, Floats], shown: Mapping[str, Column]) -> dict[str, Floats]:
+        """Half-widths (k,) of the columns of checks, from those of other columns and the columns of this mesh."""
+        catalogue = self.layout.catalogue
+        checks = [place for place, one in enumerate(catalogue) if one.check is not None]
+        if not checks:
+            return {}
+        columns, unknown = [one.column for one in catalogue], np.full(len(next(iter(widths.values()))), np.nan)
+        # Counts are no columns of blocks of a file.
+        values = np.array([np.asarray(shown.get(column, unknown), np.float64) for column in columns]).T
+        known = np.array([widths.get(column, unknown) for column in columns]).T
+        result = widened(catalogue, values, known, self.discretisation.model.has_limits)
+        return {columns[place]: result[:, place] for place in checks}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
         """Return the indices (k,) in ``numbers`` of one plate's numbers, and these numbers as in the plate's model."""

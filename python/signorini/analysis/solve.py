@@ -10,6 +10,7 @@ from functools import partial
 
 from signorini.accuracy.comparison import Estimate
 from signorini.accuracy.meshes import Refined, refined, unknown, worst_of
+from signorini.analysis.checks import require_checks
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import estimated
 from signorini.analysis.other_meshes import OtherMeshes
@@ -105,6 +106,7 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     begun = time.perf_counter()
     watcher(Progress(stage="mesh"))
     discretisation = discretise(model)
+    require_checks(discretisation)
     watcher(Progress(stage="factor"))
     problem = contact_problem(discretisation)
     results: dict[str, Result] = {}

@@ -15,6 +15,7 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit, number, size_of
+from signorini.cli.checks import print_checks
 from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, say_checked, unit_of
 from signorini.cli.sentences import MAX_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
@@ -79,6 +80,7 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
+    print_checks(console, results, estimates, labels)
     _print_refinement(console, results)
     warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
     coded = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}

@@ -94,7 +94,7 @@ class Punching:
         return np.asarray(mean + pieces.highest(gradient) - (np.conj(gradient) * centroid).real)
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) of the check for column forces (k,), moments (k,) and what acts inside bo (k, 1).
+        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside bo (k, 1).
 
         The utilisation is vu/(φ vc), without shear reinforcement. αs is 40, 30 at an edge, 20 at a corner, 22.6.5.3.
         """

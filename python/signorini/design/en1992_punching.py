@@ -173,7 +173,7 @@ class Punching:
         return pieces
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) of the check for column forces (k,), moments (k,) and what acts inside the perimeters (k, p).
+        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside the perimeters (k, p).
 
         On a foundation they are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear
         reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.

@@ -4,6 +4,7 @@
 problem of an input. ``validate`` makes a ``Model`` from a mapping.
 """
 
+from signorini.model.check import Check
 from signorini.model.cases import Case, Gamma
 from signorini.model.combination import Combination, Combinations, Factors
 from signorini.model.field import FieldTable

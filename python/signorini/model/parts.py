@@ -94,7 +94,7 @@ class Part(Generic[M]):
         title = ", ".join(part for part in (whole.title, self.name) if part)
         # The copy keeps the combinations of the whole model, which are computed here.
         _ = whole.effective_combinations
-        return whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), title=title)
+        return whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), check=(), title=title)
 
     @property
     def _replaced(self) -> tuple[str, ...]:

@@ -50,9 +50,8 @@ _MAX_EXPLAINED = 1000
 
 LISTS = (
     *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
-    "punching",
+    "check",
 )
-"""Keys of tables in double brackets, such as [[zone]]."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
 """Keys that are tagged unions, each with its classes by their tags in the path of pydantic's error.

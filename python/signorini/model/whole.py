@@ -29,6 +29,7 @@ from signorini.design.combining import count
 from signorini.errors import InputError, Place, unknown
 from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
+from signorini.model.check import Check
 from signorini.model.cases import MOST_GENERATED, Case, Positions, actions_of, complaints_of, missing_in
 from signorini.model.combination import Choice, Combination, Combinations, Expanded, FrozenMapping, Product, products
 from signorini.model.load import Load, Moving, Probe
@@ -191,6 +192,9 @@ class Model(Table):
         default=(), description="Lines and circles along which fields and the pressure are reported."
     )
     punching: tuple[Punching, ...] = Field(default=(), description="Columns that are checked for punching.")
+    check: Annotated[tuple[Check, ...], AfterValidator(_named)] = Field(
+        default=(), description="Checks of fields and numbers against limits."
+    )
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
 
@@ -387,13 +391,18 @@ class Model(Table):
         return option == "table" or (option == "auto" and len(self.effective_combinations) > MAX_FULL_RESULTS)
 
     @property
+    def has_limits(self) -> bool:
+        """Whether a support has a limit."""
+        return any(support.can_yield for support in self.support)
+
+    @property
     def estimated(self) -> bool:
         """Whether the command line estimates the mesh error (±) of every number."""
         plates = self.plates.values() or (self.plate,)
         return not any(isinstance(plate, MeshPlate) for plate in plates) if self.mesh.error is None else self.mesh.error
 
     def _complaints(self) -> Iterator[Complaint]:
-        for key in ("support", "combination", "section", "strip", "profile"):
+        for key in ("support", "combination", "section", "strip", "profile", "check"):
             yield from _repeated(key, [table.name for table in getattr(self, key)])
         yield from plate_complaints(self)
         if self.plate is not None:
@@ -405,6 +414,10 @@ class Model(Table):
         for index, punching in enumerate(self.punching):
             complaints = punching.complaints_of(self.support, self.load, self.units)
             yield from ((("punching", index, *path), message) for path, message in complaints)
+        cases = tuple(dict.fromkeys([*(load.case for load in self.load), *self.positions]))
+        for index, check in enumerate(self.check):
+            complaints = check.complaints_of(cases, self.effective_combinations)
+            yield from ((("check", index, *path), message) for path, message in complaints)
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""

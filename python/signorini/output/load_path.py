@@ -15,11 +15,11 @@ from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, csv_text, name_cell
 from signorini.output.tables import snapped_json
-from signorini.results.figures import columns_named, line_places, put
+from signorini.results.figures import check_names, columns_named, line_places, put
 from signorini.results.load_path import LoadPath
 from signorini.results.local_results import section_results
 from signorini.results.path_stop import PathStop
-from signorini.results.quantities import OF_AREAS, OF_SUPPORTS, Number
+from signorini.results.quantities import EXTREMES, OF_AREAS, OF_RESULTANTS, OF_SUPPORTS, Number
 from signorini.results.support_points import SupportPoints
 
 SCHEMA = 1
@@ -97,6 +97,7 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
         "probes": [{"at": list(at)} for probe in model.probe for at in probe.at],
         **line_places(**section_results(discretisation, stop.through)),
         **({"punching": named} if (named := columns_named(model)) else {}),
+        **check_names(model.check),
     }
     for one in stop.catalogue:
         if one.home == "point" and one.what == "reaction":
@@ -111,9 +112,9 @@ def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
     Every support has the columns of areas; for points and lines these cells are empty.
     """
     numbers = {one.column: one for one in path.stops[0].catalogue}
-    of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
+    of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS, *OF_RESULTANTS) if one.along_paths]
     columns = [f"{what}:{support.name}" for support in path.model.support for what in of_supports]
-    columns += [of for of, one in numbers.items() if one.home not in ("support", "field") and one.what != "gap"]
+    columns += [of for of, one in numbers.items() if one.home not in ("support", *EXTREMES) and one.what != "gap"]
     rows = []
     for index, stop in enumerate(path.stops):
         width = None if estimate is None else estimate.half_width(path, index)
@@ -126,7 +127,7 @@ def _cell(stop: PathStop, one: Number | None) -> float | None:
     if one is None:
         return None
     value = stop.number(one.name)
-    return int(value) if one.quantity.kind == "count" else value
+    return None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
 
 
 def write_path(

@@ -17,7 +17,7 @@ from signorini.results.result import Result
 from signorini.results.support_result import areas_below, lines_below
 
 JSON, CSV, TABLE, XLSX = "results.json", "reactions.csv", "combinations.parquet", "results.xlsx"
-GOVERNING = "governing.csv"
+GOVERNING, CHECKS = "governing.csv", "checks.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
@@ -53,6 +53,7 @@ def files(results: Results, pictures: Pictures = None, xlsx: bool = False) -> li
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     together |= {"spreadsheet": XLSX} if xlsx else {}
+    together |= {"checks": CHECKS} if results.model.check else {}
     if results.model.profile:
         together["profile table"] = PROFILES_CSV
     together |= {"table": TABLE} if results.model.tabulated else {}
@@ -77,6 +78,8 @@ def expected_names(model: Model) -> Iterator[str]:
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
+    if model.check:
+        yield CHECKS
     if model.profile:
         yield PROFILES_CSV
         yield from profile_pictures(model)

@@ -13,6 +13,7 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
 from signorini.model import Model
+from signorini.output.checks import checks_json
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
@@ -63,6 +64,7 @@ def results_json(
         },
         "snapped": snapped_json(discretisation.snapped),
         "combinations": [_combination(results, result, estimates) for result in results.full.values()],
+        **({"checks": checks_json(results, estimates)} if results.model.check else {}),
         "governing_reactions": governing_json(results, estimates),
         "groups": [
             _group(results, estimates, *group) for group in discretisation.model.effective_combinations.groups.items()

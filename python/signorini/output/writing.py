@@ -17,6 +17,7 @@ from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing_together
 from signorini.errors import InputError
 from signorini.formats.xlsx import write_xlsx
+from signorini.output.checks import write_checks
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
@@ -165,6 +166,7 @@ def write_results(
             (beside / CSV).write_text(reactions_csv(results, estimates), encoding="utf-8")
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results, estimates), encoding="utf-8")
+            write_checks(results, estimates, beside)
             (beside / JSON).write_text(
                 json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8"
             )

@@ -15,6 +15,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
 from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, TOLD, derived
 from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
+from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
@@ -140,13 +141,30 @@ def extremes(
 
     Extremes of means are those over the singular points.
     """
-    numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
+    told = [name for name in FIELDS if name in TOLD and name in fields]
+    numbers = {name: FIELDS[name].singular if name in PEAKING else "" for name in told}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
     result = {
         name: FieldExtremes.of(fields[name], nodes, away[number], singular, number) for name, number in numbers.items()
     }
-    told = {name: means.ends(name) for name in result if name in PEAKING} if means else {}
-    return {name: replace(one, **told.get(name, {})) for name, one in result.items()}
+    mean = {name: means.ends(name) for name in result if name in PEAKING} if means else {}
+    return {name: replace(one, **mean.get(name, {})) for name, one in result.items()}
+
+
+def extremes_under(
+    discretisation: Discretisation, cases: Collection[str], values: Floats, names: Sequence[str]
+) -> dict[str, FieldExtremes]:
+    """Find the extremes of fields of one plate under load cases, from the linear fields (s, 8) at its stress nodes."""
+    moment, shear = values[:, 3:6], values[:, 6:]
+    fields = dict(zip(LINEAR, values.T, strict=True))
+    fields |= {
+        name: derived([name], moment, shear, discretisation.node_thickness)[:, 0]
+        for name in names
+        if name not in LINEAR
+    }
+    means = Means.of(discretisation, moment, shear, cases)
+    singular = singularities(discretisation, cases)
+    return extremes({name: fields[name] for name in names}, discretisation.stress_nodes, singular, means)
 
 
 @dataclass(frozen=True, eq=False)

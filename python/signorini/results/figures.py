@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.model import Model
+from signorini.model import Check, Model
 from signorini.results.local_results import SectionResult, StripResult
 from signorini.results.quantities import MEAN_SIDES, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Path
 from signorini.results.result import Result
@@ -28,6 +28,7 @@ def figures(result: Result) -> dict[str, Any]:
         "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
         **line_places(result.sections, result.strips),
         **({"punching": [column.figures() for column in result.punching]} if result.punching else {}),
+        **check_names(result.model.check),
     }
     if result.model.plates:
         values["contacts"] = [_support(support) for support in result.supports[first:]]
@@ -168,6 +169,11 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
     for at, reaction, gap, state in zip(*columns, strict=True):
         point = {"at": at, "reaction": reaction, "gap": gap, "state": state}
         yield point if support.pieces is None else {**point, "yielded": state == "yields"}
+
+
+def check_names(checks: Sequence[Check]) -> dict[str, Any]:
+    """JSON of checks without the numbers of their catalogue; nothing without checks."""
+    return {"checks": [{"name": check.name, "value": None, "utilisation": None} for check in checks]} if checks else {}
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:

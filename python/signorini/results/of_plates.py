@@ -24,6 +24,8 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
         if key == "plates":
             plates: Sequence[int] = [names.index(str(path[1]))]
             path = path[2:]
+        elif one.home == "check":
+            plates = ()
         elif one.over_plates:
             plates = range(len(names))
         else:

@@ -16,6 +16,7 @@ from signorini.discretise.laws import SupportLaw
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point, unknown
 from signorini.model import Support
+from signorini.results.checks import require_measured
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.path_stop import PathStop, numbers_at_stops
 from signorini.results.quantities import SMOOTH
@@ -257,7 +258,8 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
     """Read thresholds from texts: equations of the name of a number and a value."""
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = -203e3"].', place="when")
-    known, asked = numbers_at_stops(discretisation).by_name, []
+    catalogue, asked = numbers_at_stops(discretisation), list[Threshold]()
+    known = catalogue.by_name
     for text in when:
         name, equals, number = text.rpartition("=") if isinstance(text, str) else ("", "", "")
         try:
@@ -269,10 +271,12 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
                 f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = -203e3".', place="when"
             )
         quantity = re.sub(r"\s*([\[\].])\s*", r"\1", name.strip())
-        # A column by itself stands for its utilisation.
+        # A column or a check by itself stands for its utilisation.
         quantity = whole if (whole := f"{quantity}.utilisation") in known else quantity
         if quantity not in known:
             raise InputError(unknown("quantity", quantity, known), place="when")
+        if (check := catalogue.numbers[known[quantity]].check) is not None:
+            require_measured(discretisation, catalogue, "a load path", check)
         asked.append(Threshold(text.strip(), quantity, value))
     return tuple(asked)
 

@@ -13,10 +13,13 @@ from signorini.base.remade import Brief
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
+from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
-from signorini.results.extremes import peak
-from signorini.results.quantities import SIDES, Catalogue, Home
+from signorini.results.checks import checked_fields, checks_in, completed
+from signorini.results.extremes import extremes_under, peak
+from signorini.results.quantities import EXTREMES, FIELDS, Catalogue, Home
 from signorini.results.readings import Readings, SupportForces
+from signorini.singularities.beside import PEAKS
 
 _MOST_POINTS = 100
 """Largest number of points whose reactions are listed at each stop."""
@@ -132,9 +135,15 @@ class Switched:
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
     """Catalogue of the numbers of stops; numbers of points are included if there are at most `_MOST_POINTS` points."""
-    whole = catalogue_of(discretisation, ("deflection",), "paths")
-    many = len(whole.at("point", "reaction")) > _MOST_POINTS
+    whole = catalogue_of(discretisation, path_fields(discretisation.model), "paths")
+    measured = {whole.numbers[place].home for check in checks_in(whole) for place in check.measured}
+    many = len(whole.at("point", "reaction")) > _MOST_POINTS and "point" not in measured
     return whole.only(lambda one: one.home != "point" or not many)
+
+
+def path_fields(model: Model) -> tuple[str, ...]:
+    """Fields whose extremes are numbers of stops: the deflection, and checked fields."""
+    return tuple(name for name in FIELDS if name in ("deflection", *checked_fields(model)))
 
 
 def path_stops(
@@ -185,7 +194,8 @@ def _numbers(
     imbalance: Floats | None,
 ) -> Floats:
     """Numbers (k, n) of the catalogue in k answers to k loads."""
-    each = []
+    each, fields = [], path_fields(discretisation.model)
+    stressed = any(one.home in ("probe", *EXTREMES) and one.quantity.singular in PEAKS for one in catalogue)
     for at, plate in enumerate(discretisation.members):
         own = plate.own
         own_loads, own_answers = [load.on(at) for load in loads], [answer.on(plate) for answer in answers]
@@ -197,11 +207,25 @@ def _numbers(
             for row, (load, answer) in enumerate(zip(own_loads, own_answers, strict=True))
         ]
         beneath = [plate.deflections_beneath((answer.hi + answer.lo)[::3]) for answer in answers]
-        nothing = [None] * len(answers)
-        readings = Readings.of(own, own_loads, own_answers, forces, nothing, beneath)
-        told = catalogue_of(own, ("deflection",), "paths") if discretisation.plates else catalogue
-        numbers, deflection = readings.numbers(told), readings.deflections(slice(None))
-        ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
-        numbers[:, told.at("field", *SIDES)] = ends[:, None]
+        pairs = zip(own_loads, own_answers, strict=True)
+        at_nodes = [_fields(own, *pair) if stressed else None for pair in pairs]
+        readings = Readings.of(own, own_loads, own_answers, forces, at_nodes, beneath)
+        told = catalogue_of(own, fields, "paths") if discretisation.plates else catalogue
+        numbers, deflections = readings.numbers(told), readings.deflections(slice(None))
+        for row, (load, values, deflection) in enumerate(zip(own_loads, at_nodes, deflections, strict=True)):
+            ends = {"deflection": {"max": deflection.max(), "min": deflection.min()}}
+            if values is not None:
+                found = extremes_under(own, load.acting, values, fields[1:])
+                ends |= {name: vars(one) for name, one in found.items()}
+            for place, one in enumerate(told):
+                if one.home in EXTREMES:
+                    numbers[row, place] = ends[one.quantity.name][one.what]
         each.append(numbers)
-    return catalogue.of_members(each)
+    return completed(catalogue, catalogue.of_members(each))
+
+
+def _fields(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> Floats:
+    """Fields (s, 8) of an answer at the stress nodes, in the order of `LINEAR`."""
+    stress, _ = discretisation.plate.stresses(answer.hi, answer.lo, tuple(load.curvature), load.couples)
+    nodal, spread = (answer.hi + answer.lo).reshape(-1, 3), discretisation.stress_nodes.spread
+    return np.column_stack([spread(nodal[:, 0]), spread(discretisation.held.to_global(nodal[:, 1:])), stress])

@@ -6,6 +6,7 @@ of a number is the kind of its owner: a field, a support, a probe and so on.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +17,9 @@ import numpy as np
 
 from signorini.base.remade import short
 from signorini.discretise.rows import Floats, Ints
-from signorini.model import Model, Support
+from signorini.errors import InputError, unknown
+from signorini.model import Check, Model, Support
+from signorini.model.check import OVERTURNING
 from signorini.model.whole import Units
 
 
@@ -68,7 +71,9 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "punching"]
+Home = Literal[
+    "field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "punching", "check"
+]
 Key = tuple[Home, int | str, str]
 
 
@@ -278,6 +283,17 @@ OF_AREAS = (
     Quantity("contact_area", "area", "contact area"),
     Quantity("max_tension", "pressure", "max tension, pressure that pulls down", tabled=False, along_paths=False),
 )
+OF_RESULTANTS = (
+    *(
+        Quantity(
+            *(f"eccentricity_{axis}", "length", f"eccentricity e{axis} of the reaction", ("eccentricity", at)),
+            *("eccentricity", True, False, False),
+        )
+        for at, axis in enumerate("xy")
+    ),
+    Quantity("kern", "part", "kern, eccentricity / eccentricity at the edge of the kern in its direction"),
+)
+"""Quantities of the resultants of areas."""
 OF_LINES = tuple(
     Quantity(f"{side}_per_length", "per_length", f"{side} per length, reaction positive up", along_paths=False)
     for side in ("max", "min")
@@ -364,6 +380,10 @@ BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
     }
 )
 """Quantities by the list of results.json that has them; "": those of fields."""
+OF_CHECKS = (
+    Quantity("value", "part", "value that governs a check", enveloped=False, along_paths=False),
+    Quantity("utilisation", "part", "utilisation, value / limit", enveloped=False),
+)
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Names of the largest and the smallest mean of a field over its singular points."""
@@ -375,7 +395,7 @@ _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
-        *("max_per_length", "min_per_length", "v_ed", "utilisation"),
+        *("max_per_length", "min_per_length", "v_ed", "kern", "utilisation"),
     )
 )
 """Names of quantities that are not linear in the load, even while the contact state does not change."""
@@ -410,20 +430,21 @@ class Number:
     subject: str  # name of the owner in columns and thresholds
     part: int = 0  # index of the point of a support, or of the station of a strip, from 0
     tabled: bool = True  # whether tables have a column for the number
-    estimated: bool = True  # whether half-widths are computed for the number
+    estimated: bool = True  # whether it is compared with that of other meshes
+    check: Check | None = None  # of a number of a check
 
     @property
     def column(self) -> str:
         """Name of the number's column in tables."""
         what = self.what
-        if self.home in ("support", "punching", *EXTREMES):
+        if self.home in ("support", "punching", "check", *EXTREMES):
             return f"{what}:{self.subject}"
         return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
 
     @property
     def name(self) -> str:
         """Name of the number in thresholds, such as "bolts[1].reaction"."""
-        return f"{self.subject}.{self.what}"
+        return f"{'check:' * (self.home == 'check')}{self.subject}.{self.what}"
 
     @property
     def what(self) -> str:
@@ -471,7 +492,30 @@ def of_support(support: Support) -> tuple[Quantity, ...]:
     """Quantities of a support as a whole, which depend on its kind."""
     area, bolt = support.area is not None, support.is_bolt
     limited = OF_LIMITED_AREAS * (area and support.can_yield)
-    return OF_SUPPORTS + OF_AREAS * area + OF_LINES * support.along_line + limited + OF_BOLTS * bolt
+    return OF_SUPPORTS + (OF_AREAS + OF_RESULTANTS) * area + OF_LINES * support.along_line + limited + OF_BOLTS * bolt
+
+
+def measures(check: Check, number: Number) -> bool:
+    """Whether a check is of a number: by its name, ``[*]`` for every index, or as an extreme of the checked field."""
+    if number.home in EXTREMES and number.subject == check.of:
+        return True
+    pattern = re.escape(check.of).replace(r"\[\*\]", r"\[[^\]]+\]")
+    return number.home != "check" and re.fullmatch(pattern, number.name) is not None
+
+
+def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Number]) -> Number:
+    """A number of a check; raise `InputError` if no number is checked."""
+    kinds = [one.quantity.kind for one in numbers if measures(check, one)]
+    if not kinds and check.of != OVERTURNING:
+        others = (one for one in numbers if one.home != "check")
+        known = dict.fromkeys(one.subject if one.home in EXTREMES else one.name for one in others)
+        raise InputError(unknown("field or number", check.of, [*known, OVERTURNING]), place=("check", index, "of"))
+    if quantity.name == "value" and kinds:
+        quantity = replace(quantity, kind=kinds[0])
+    elif not kinds:
+        quantity = replace(quantity, along_paths=False)
+    path = ("checks", index, quantity.name)
+    return Number(quantity, "check", index, path, check.name, 0, True, False, check)
 
 
 def of_points(support: Support) -> tuple[Quantity, ...]:
@@ -548,6 +592,8 @@ class Catalogue:
             result += [Number(FIELDS[name], "field", index, (*path, side), subject) for side in SIDES]
             if name in PEAKING:
                 result += [Number(FIELDS[name], "mean", index, (*path, side), subject) for side in MEAN_SIDES]
+        for index, check in enumerate(model.check):
+            result += [_of_check(one, check, index, result) for one in OF_CHECKS]
         return cls(tuple(result))
 
     def __len__(self) -> int:
@@ -614,7 +660,8 @@ class Catalogue:
         if not self.in_plates:
             return each[0]
         result = np.empty((*each[0].shape[:-1], len(self)))
-        for place, of in enumerate(self.in_plates):
+        result[..., [place for place, of in enumerate(self.in_plates) if not of]] = np.nan
+        for place, of in ((place, of) for place, of in enumerate(self.in_plates) if of):
             values = [each[plate][..., number] for plate, number in of]
             smallest = self.numbers[place].what.startswith("min")
             result[..., place] = (np.fmin if smallest else np.fmax).reduce(values)
@@ -622,5 +669,6 @@ class Catalogue:
 
     @cached_property
     def along_paths(self) -> Catalogue:
-        """Catalogue of the numbers that a load path lists at every stop."""
-        return self.only(lambda one: one.quantity.along_paths)
+        """Catalogue of the numbers that load paths list at every stop, and of those that checks need."""
+        checks = [one.check for one in self.numbers if one.check is not None]
+        return self.only(lambda one: one.quantity.along_paths or any(measures(check, one) for check in checks))

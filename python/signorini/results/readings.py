@@ -26,6 +26,7 @@ from signorini.equilibrium.balance import NO_FORCE
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
+from signorini.results.contact_field.kern import kern_of
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.local_results import total_pressure
 from signorini.results.punching import in_units, points_inside
@@ -256,10 +257,10 @@ class Readings:
         return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
 
     def numbers(self, catalogue: Catalogue) -> Floats:
-        """Numbers (k, n) of a catalogue; extremes of fields are NaN, since readings do not determine them."""
+        """Numbers (k, n) of a catalogue; NaN for extremes of fields and for checks, which are computed later."""
         result = np.full((len(self.shared), len(catalogue)), np.nan)
         for (home, owner, what), places in catalogue.groups.items():
-            if home not in EXTREMES:
+            if home not in EXTREMES and home != "check":
                 result[:, places] = self.read(home, owner, what)
         return result
 
@@ -492,6 +493,19 @@ class SupportReading:
         return np.concatenate(result)
 
     @cached_property
+    def eccentricity(self) -> Floats:
+        """Eccentricity (k, 2) of the resultant about the centroid of the area; NaN without an upward resultant."""
+        forces, positions = self.applied
+        total, centroid = forces.sum(axis=1), kern_of(self.of.discretisation, self.index).centroid
+        total = np.where(total > NO_FORCE * np.abs(forces).sum(axis=1), total, np.nan)
+        return np.asarray(forces @ (positions - centroid) / total[:, None])
+
+    @property
+    def kern(self) -> Floats:
+        """Eccentricity (k,) relative to the edge of the kern; above 1 a plane distribution has tension."""
+        return np.asarray((self.eccentricity @ kern_of(self.of.discretisation, self.index).corners.T).max(axis=1))
+
+    @cached_property
     def pressures(self) -> Floats:
         """Pressures (k, q) of the area support at `AreaContact.pressure_places`."""
         if not self.support.is_elastic:
@@ -530,6 +544,9 @@ _OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
     "max_pressure": lambda of: np.fmax.reduce(of.pressures, axis=1, initial=0.0),
     "max_tension": lambda of: np.fmax.reduce(-of.pressures, axis=1, initial=0.0),
     "contact_area": lambda of: of.contact_area,
+    "eccentricity_x": lambda of: of.eccentricity[:, 0],
+    "eccentricity_y": lambda of: of.eccentricity[:, 1],
+    "kern": lambda of: of.kern,
     "yielded_area": lambda of: of.yielded_area,
     "max_per_length": lambda of: of.per_length[0].max(axis=1),
     "min_per_length": lambda of: of.per_length[0].min(axis=1),

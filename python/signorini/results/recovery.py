@@ -17,6 +17,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.model import Combination
 from signorini.results.catalogue import catalogue_of
+from signorini.results.checks import overturned
 from signorini.results.extremes import Means
 from signorini.results.local_results import ProbeResult, probe_results, section_results
 from signorini.results.of_plates import said_of
@@ -91,7 +92,7 @@ def recovered(
         singular=singularities(discretisation, load.acting),
         thickness=thickness,
         catalogue=catalogue,
-        _read=readings.numbers(catalogue)[0],
+        _read=overturned(discretisation, catalogue, readings.numbers(catalogue), [load_of])[0],
         combination=None if isinstance(load_of, str) else load_of,
         means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
         punching=Listed(column_results(discretisation, readings.punching), "punching"),
@@ -152,7 +153,7 @@ def _of_plates(
         singular=singularities(discretisation, load.acting),
         thickness=discretisation.node_thickness,
         catalogue=catalogue,
-        _read=np.full(len(catalogue), np.nan),
+        _read=overturned(discretisation, catalogue, np.full((1, len(catalogue)), np.nan), [load_of])[0],
         plates=plates,
     )
 

@@ -16,6 +16,7 @@ from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
+from signorini.results.checks import checked_fields
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
@@ -151,9 +152,9 @@ class Layout:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the table of a model; fields with extremes are those in ``output.envelope``."""
+        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``."""
         asked: Sequence[str] = discretisation.model.output.envelope
-        fields = tuple(name for name in FIELDS if name in asked)
+        fields = tuple(name for name in FIELDS if name in (*asked, *checked_fields(discretisation.model)))
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
         # With several plates, contact areas are computed from the results of each plate.

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, Self
 
+import numpy as np
+
 from signorini.base.on_demand import Listed, Named, OnDemand
 from signorini.base.remade import Remade
 from signorini.contact.certificate import Certificate
@@ -16,6 +18,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
+from signorini.results.checks import completed
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
 from signorini.results.punching import ColumnResult
@@ -104,7 +107,7 @@ class ResultState(Remade):
     thickness: Floats
     catalogue: Catalogue
     _read: Floats
-    """Numbers (k,) in the order of the catalogue; extremes of fields are NaN here and computed by ``numbers``."""
+    """Numbers (k,) of the catalogue without extremes of fields and most checks, which are NaN."""
     combination: Combination | None
     means: Means | None = None
     punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
@@ -217,14 +220,17 @@ class ResultState(Remade):
         """Every number (k,) in the order of the ``catalogue``; NaN for missing numbers."""
         if self.status != "solved":
             return self._read
-        if self.plates:
-            return self.catalogue.of_members([one.numbers for one in self.plates.values()])
         result, at = self._read.copy(), self.catalogue.at
-        for side in SIDES:
-            result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
-        for side in MEAN_SIDES:
-            result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
-        return result
+        if self.plates:
+            result = self.catalogue.of_members([one.numbers for one in self.plates.values()])
+            result[at("check", "value")] = self._read[at("check", "value")]
+        else:
+            for side in SIDES:
+                result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+            for side in MEAN_SIDES:
+                result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
+        combinations = None if self.combination is None else [self.combination]
+        return np.ravel(completed(self.catalogue, result[None], combinations))
 
     def require_fields(self) -> None:
         """Raise `InputError` if the result is that of several plates, or has no equilibrium."""

@@ -22,6 +22,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
+from signorini.results.checks import completed, overturned
 from signorini.results.envelope import Envelope, Extremes
 from signorini.results.extremes import mean_ends
 from signorini.results.quantities import ENDS, MEAN_SIDES, PEAKING, SIDES, derived
@@ -82,6 +83,8 @@ class Combined(Brief):
     """Number of combinations whose reactions are not unique; the table has their least-norm reactions."""
     certificate: Mapping[str, float]
     """Largest error over all combinations, by the name of the error in a certificate."""
+    unsolved: tuple[int, ...]
+    """Row numbers of the combinations without equilibrium."""
     unbalanced: Mapping[str, str]
     """Reasons why combinations have no equilibrium, by name of the combination, for the first 100."""
     rows: Mapping[str, Column] | None
@@ -148,6 +151,7 @@ def combine(
         alone=sum(run.alone for run in every),
         not_unique=sum(run.not_unique for run in every),
         certificate=worst,
+        unsolved=tuple(sorted(row for run in every for row in run.unsolved)),
         unbalanced={name: why for run in every for name, why in run.unbalanced.items()},
         rows=together(kept) if few else None,
     )
@@ -179,6 +183,7 @@ class _Run:
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
+        self.unsolved: list[int] = []
         self._without_equilibrium = 0
 
     def solve(self, block: Block, combinations: Sequence[Combination], at: Ints) -> None:
@@ -196,6 +201,9 @@ class _Run:
                 self._envelope(groups[row]).take_fields(result, block.numbers[[place]])
             else:
                 self._unbalanced(result.name, result.message)
+        numbers = overturned(self.problem.discretisation, self.layout.catalogue, block.values[at], combinations)
+        block.values[at] = completed(self.layout.catalogue, numbers, combinations)
+        self.unsolved += block.numbers[at[~block.solved[at]]].tolist()
         solved = np.flatnonzero(block.solved[at])
         self.solved += len(solved)
         self.not_unique += sum(bool(block.not_unique[place]) for place in at)

@@ -1,0 +1,116 @@
+"""Summary of the checks of a model: the governing combination, value, utilisation and place of each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
+from signorini.discretise import Discretisation
+from signorini.equilibrium.stability import load_factors
+from signorini.model.check import OVERTURNING
+from signorini.results.catalogue import catalogue_of
+from signorini.results.checks import checks_in, require_measured
+from signorini.results.envelope import NONE
+from signorini.results.quantities import EXTREMES, TOLD, Number
+from signorini.results.result import Result
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """Result of one check in its governing combination; None where no checked combination has a number."""
+
+    name: str
+    of: str  # the field or number that it measures
+    value: float | None  # for overturning 1/λ; None if it is infinite
+    limit: float | None  # on the side of the value
+    utilisation: float | None  # value / limit
+    plus_minus: float | None  # half-width of the utilisation
+    governing: str | None  # name of the combination with the largest utilisation
+    # position of the extreme of a field, or name of the object with the number, such as "probe[1]"
+    place: tuple[float, float] | str | None
+    without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
+    passed: bool | None  # True if utilisation + ± ≤ 1 and no equilibrium is missing, False if utilisation − ± > 1
+    verdict: str  # the same in words
+
+
+def require_checks(discretisation: Discretisation) -> None:
+    """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
+    model = discretisation.model
+    if model.check and (catalogue := catalogue_of(discretisation, TOLD)) and model.tabulated:
+        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
+
+
+def check_results(results: Results, estimates: Estimates | None = None) -> tuple[CheckResult, ...]:
+    """Results of all checks of a model, in their order.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e7}],
+    ...     load=[{"pressure": 5e3}],
+    ...     check=[{"name": "bearing", "of": "soil.max_pressure", "limit": 10e3}],
+    ... )
+    >>> (bearing,) = check_results(solve(model))
+    >>> round(bearing.utilisation, 6), bearing.governing, bearing.place, bearing.verdict
+    (0.5, 'all', 'soil', 'passed')
+    """
+    catalogue = results.combined.layout.catalogue
+    places = {one.owner: place for place, one in enumerate(catalogue) if one.home == "check" and one.what == "value"}
+    return tuple(_result(results, estimates, index, places[index]) for index in range(len(results.model.check)))
+
+
+def _result(results: Results, estimates: Estimates | None, index: int, place: int) -> CheckResult:
+    check, combinations = results.model.check[index], results.model.effective_combinations
+    missing = [row for row in results.combined.unsolved if check.applies_to(combinations[row])]
+    ends = results.envelope.values.sides
+    known = [(float(values[place]), int(by[place])) for values, by in ends if by[place] != NONE]
+    if check.of == OVERTURNING and missing:
+        # Its utilisation exceeds 1 where the plate has no equilibrium.
+        factors = load_factors(results.discretisation, [combinations[row] for row in missing], check.grows)
+        with np.errstate(divide="ignore"):
+            known += zip((1.0 / factors).tolist(), missing, strict=True)
+    used = [float(value / check.limit_of(np.array(value))) for value, _ in known]
+    if not used:
+        verdict = "no equilibrium" if missing else "no value"
+        return CheckResult(check.name, check.of, None, None, None, None, None, None, len(missing), None, verdict)
+    value, row = known[int(np.argmax(used))]
+    limit, utilisation, name = float(check.limit_of(np.array(value))), max(used), results.key(row)
+    width = None if estimates is None else estimates.half_width(f"utilisation:{check.name}", row)
+    if estimates is not None and row in missing and not results.model.has_limits:
+        width = 0.0
+    passed, verdict = _judged(utilisation, width, estimates is not None, len(missing))
+    where = None if check.of == OVERTURNING else _place(results[name], index)
+    own, part, half = (value, utilisation, width) if math.isfinite(utilisation) else (None, None, None)
+    return CheckResult(check.name, check.of, own, limit, part, half, name, where, len(missing), passed, verdict)
+
+
+def _judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
+    """Whether a check passes, and the verdict in words; ``missing`` combinations have no equilibrium."""
+    if utilisation - (width or 0.0) > 1.0:
+        return False, "failed"
+    if missing:
+        return None, "no equilibrium"
+    if estimated and width is None:
+        return None, "± unknown"
+    if utilisation + (width or 0.0) > 1.0:
+        return None, "undecided: 1 is within ±"
+    return True, "passed"
+
+
+def _place(result: Result, index: int) -> tuple[float, float] | str:
+    """Position of the extreme, or subject of the number, that governs a check in one combination."""
+    numbers: tuple[Number, ...] = result.catalogue.numbers
+    own = next(one for one in checks_in(result.catalogue) if numbers[one.utilisation].owner == index)
+    one: Number = numbers[own.measured[own.governing(result.numbers[None])[0][0]]]
+    if one.home not in EXTREMES:
+        return one.subject
+    plate = result if one.path[0] != "plates" else result.plates[str(one.path[1])]
+    x, y = getattr(plate.extremes[one.quantity.name], f"{one.what}_at")
+    return float(x), float(y)

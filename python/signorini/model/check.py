@@ -1,0 +1,90 @@
+"""Checks of numbers and fields against limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from signorini.errors import unknown
+from signorini.model import base
+from signorini.model.combination import Combination, Combinations
+from signorini.model.problems import as_list
+
+OVERTURNING = "overturning"
+"""Key ``of`` of a check of the plate as a rigid body."""
+
+
+def _bounds(value: object) -> object:
+    value = as_list(value)
+    return value if isinstance(value, list | tuple) else (-base.number(value), base.number(value))
+
+
+Bounds = Annotated[
+    tuple[base.Number, base.Number],
+    BeforeValidator(base.listed(2, "one number, or two: [lower, upper]")),
+    BeforeValidator(_bounds),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 2}]}),
+]
+
+
+class Check(base.Named):
+    """A check of a field or of a number: utilisation = value / limit in every combination."""
+
+    of: base.Text = Field(
+        description='What is checked: a field such as "von_mises", a number such as "soil.max_pressure", all points of '
+        'a support as "anchors[*].reaction", or "overturning" with the key grows.'
+    )
+    limit: Bounds | None = Field(
+        default=None,
+        description="Limit of the magnitude, or [lower, upper] with lower < 0 < upper. Default for overturning: 1.",
+    )
+    combinations: tuple[base.Text, ...] = Field(default=(), description="Names of checked combinations; default all.")
+    group: base.Text = Field(default="", description="Group of checked combinations; default all.")
+    grows: tuple[base.Text, ...] = Field(
+        default=(),
+        description="For overturning: load cases that are multiplied by λ until equilibrium ends; the other cases "
+        "stay. The value is 1/λ.",
+    )
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        if self.of == OVERTURNING:
+            if not self.grows:
+                yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
+        elif self.grows:
+            yield ("grows",), f'only a check of "{OVERTURNING}" has growing load cases. Remove grows.'
+        elif self.limit is None:
+            yield ("limit",), "it is missing. Give the largest allowed value."
+        if self.limit is not None and not self.limit[0] < 0.0 < self.limit[1]:
+            yield ("limit",), "it must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
+        if self.combinations and self.group:
+            yield ("group",), "found combinations and group; give one of them."
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Smallest and largest allowed value."""
+        return self.limit or (-1.0, 1.0)
+
+    def limit_of(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Bounds (...) on the side of values (...)."""
+        return np.where(values < 0.0, *self.bounds)
+
+    def applies_to(self, combination: Combination) -> bool:
+        """Whether a combination is checked."""
+        return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))
+
+    def complaints_of(self, cases: Sequence[str], combinations: Combinations) -> Iterator[base.Complaint]:
+        """Yield the problems with the load cases and combinations of the model; places are relative to this table."""
+        for position, case in enumerate(self.grows):
+            if case not in cases:
+                yield ("grows", position), unknown("load case", case, cases)
+        if self.group and self.group not in combinations.groups:
+            yield ("group",), unknown("group", self.group, tuple(combinations.groups))
+        missing: dict[Any, int] = {name: position for position, name in enumerate(self.combinations)}
+        for name in combinations.names() if missing else ():
+            missing.pop(name, None)
+        for name, position in missing.items():
+            yield ("combinations", position), f'there is no combination "{name}". Give the name of a combination.'

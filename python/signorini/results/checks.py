@@ -1,0 +1,115 @@
+"""Values and utilisations of checks, from the other numbers of a catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from signorini.base.on_demand import kept
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Floats, Ints
+from signorini.equilibrium.stability import load_factors
+from signorini.errors import InputError
+from signorini.model import Check, Combination, Model
+from signorini.model.check import OVERTURNING
+from signorini.results.quantities import ENDS, FIELDS, TOLD, Catalogue, measures, on_plate
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedNumbers:
+    """The numbers of one check in a catalogue: indices of what it measures (m,), of its value and its utilisation.
+
+    The value of an overturning check is given; it is what the check measures.
+    """
+
+    check: Check
+    measured: Ints
+    value: int | None
+    utilisation: int
+
+    def governing(self, values: Floats) -> tuple[Ints, Floats]:
+        """Index (k,) in ``measured`` of the number with the largest utilisation, and the utilisation; NaN if absent."""
+        used = values[:, self.measured] / self.check.limit_of(values[:, self.measured])
+        which = np.where(np.isnan(used), -np.inf, used).argmax(axis=1)
+        return which, np.take_along_axis(used, which[:, None], axis=1)[:, 0]
+
+
+@kept
+def checks_in(catalogue: Catalogue) -> tuple[CheckedNumbers, ...]:
+    """The checks whose numbers and whose measured numbers a catalogue has."""
+    places: dict[int, dict[str, int]] = {}
+    for place, one in enumerate(catalogue):
+        if one.check is not None:
+            places.setdefault(one.owner, {})[one.what] = place
+    result = []
+    for own in places.values():
+        check, value = catalogue.numbers[own["utilisation"]].check, own.get("value")
+        assert check is not None
+        measured = [place for place, one in enumerate(catalogue) if measures(check, one)]
+        if check.of == OVERTURNING:
+            measured = [] if value is None else [value]
+        if measured:
+            result.append(CheckedNumbers(check, np.array(measured, np.int64), value, own["utilisation"]))
+    return tuple(result)
+
+
+def checked_fields(model: Model) -> tuple[str, ...]:
+    """Names of the fields whose extremes are checked."""
+    subjects = {on_plate(name, plate): name for name in TOLD for plate in ("", *model.plates)}
+    wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
+    return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
+
+
+def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combination] | None = None) -> Floats:
+    """Numbers (k, n) with values and utilisations of checks; NaN in combinations that a check does not include."""
+    result = values.copy()
+    for one in checks_in(catalogue):
+        which, utilisation = one.governing(values)
+        result[:, one.utilisation] = utilisation
+        if one.value is not None:
+            result[:, one.value] = np.take_along_axis(values[:, one.measured], which[:, None], axis=1)[:, 0]
+        if combinations is not None:
+            others = [row for row, combination in enumerate(combinations) if not one.check.applies_to(combination)]
+            result[np.ix_(others, [one.utilisation, one.utilisation if one.value is None else one.value])] = np.nan
+    return result
+
+
+def overturned(
+    discretisation: Discretisation, catalogue: Catalogue, values: Floats, loads: Sequence[Combination | str]
+) -> Floats:
+    """Numbers (k, n) with the values 1/λ of overturning checks; a load that is only named has none."""
+    result, rows = values.copy(), [row for row, load in enumerate(loads) if not isinstance(load, str)]
+    combinations = [load for load in loads if not isinstance(load, str)]
+    for one in checks_in(catalogue):
+        if one.check.of == OVERTURNING:
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+    return result
+
+
+def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool) -> Floats:
+    """Half-widths (k, n) with those of checks: of the governing number, for the utilisation over the limit.
+
+    The factor of overturning has none where supports are ``limited``, since their points depend on the mesh; else it is
+    exact.
+    """
+    result = widths.copy()
+    for one in checks_in(catalogue):
+        which = one.governing(values)[0][:, None]
+        value, width = (np.take_along_axis(of[:, one.measured], which, axis=1)[:, 0] for of in (values, widths))
+        if one.check.of == OVERTURNING:
+            width = np.full(len(value), np.nan if limited else 0.0)
+        result[:, one.utilisation] = width / np.abs(one.check.limit_of(value))
+        if one.value is not None:
+            result[:, one.value] = width
+    return result
+
+
+def require_measured(discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check) -> None:
+    """Refuse checks of numbers that a catalogue lacks; ``what`` has the numbers of the catalogue."""
+    known = [one.check for one in checks_in(catalogue)]
+    for check in checks:
+        if check not in known:
+            index = discretisation.model.check.index(check)
+            raise InputError(f'{what} has no "{check.of}". Remove the check.', place=("check", index, "of"))
