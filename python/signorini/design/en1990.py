@@ -71,18 +71,10 @@ EXPRESSIONS: Mapping[str, tuple[Expression, ...]] = {
 
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:
-    """Yield the rules of an expression; the roles of actions are their kinds.
+    """Yield the rules with a name of `GAMMA`; the roles of actions are their kinds.
 
-    Parameters
-    ----------
-    name : str
-        Key of `GAMMA`.
-    gamma : mapping
-        Partial factors in place of the recommended ones, by kind.
-    xi : float
-        Reduction factor ξ of 6.10b.
-    accidental_leading : int
-        `PSI1` or `PSI2`: representative value of the leading variable action in 6.11b.
+    ``gamma`` are factors in place of the recommended ones. ``accidental_leading``, `PSI1` or `PSI2`, is the
+    representative value of the leading variable action in 6.11b.
     """
     factors = {**GAMMA[name], **gamma}
     accidental = {"accidental": Factor(factors["accidental"])} if "accidental" in factors else {}

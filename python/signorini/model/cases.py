@@ -26,21 +26,13 @@ _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
 """Key of a case with its role in a code."""
 
 _Psi = Annotated[float, Field(ge=0, le=1)]
-
-
+_AT_LEAST_0 = {"type": "number", "minimum": 0}
 Gammas = Annotated[
     tuple[NonNegative, ...],
     Field(min_length=1, max_length=2),
     BeforeValidator(as_tuple),
     PlainSerializer(lambda values: values[0] if len(values) == 1 else values),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number", "minimum": 0},
-                {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 2},
-            ]
-        }
-    ),
+    WithJsonSchema(_AT_LEAST_0 | {"type": ["number", "array"], "minItems": 1, "maxItems": 2, "items": _AT_LEAST_0}),
 ]
 
 
@@ -148,25 +140,13 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
     """Message that names the load cases without a role in a code; empty if each has one."""
     key = _KEY_OF[code]
-    without = [
-        case for case in known if case not in cases or (cases[case].follows is None and not getattr(cases[case], key))
-    ]
-    if not without:
-        return ""
-    names = ", ".join(f'"{case}"' for case in without)
-    example = 'kind = "permanent"' if code == "en1990" else 'asce = "D"'
-    return (
-        f'generate = "{code}" needs the {key} of every load case; it is missing for {names}. '
-        f"Write [cases.{without[0]}] with {example}, for instance."
-    )
+    named = {name for name, case in cases.items() if case.follows is not None or getattr(case, key) is not None}
+    missing = ", ".join(f"[cases.{case}]" for case in known if case not in named)
+    return f'generate = "{code}" needs the key {key} of every load case; give it in {missing}.' if missing else ""
 
 
 def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, ...]:
     """Return the actions of a code. Every position of a moving load is an alternative of its action."""
-    followers: dict[str, list[str]] = {}
-    for name, case in cases.items():
-        if case.follows is not None:
-            followers.setdefault(case.follows, []).append(name)
     exclusive: dict[tuple[str, str], dict[tuple[str, str], list[str]]] = {}
     for name, case in cases.items():
         if case.follows is None:
@@ -180,8 +160,9 @@ def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, 
         """Yield the load cases that act together: at least one of the parts of an action, each at one position."""
         choices: list[list[dict[str, tuple[float, ...]]]] = []
         for name in names:
-            values, own = cases[name].representative, positions.get(name, (name,))
-            choices.append([{case: values for case in (at, *followers.get(name, ()))} for at in own])
+            followers = [other for other in cases if cases[other].follows == name]
+            own = positions.get(name, (name,))
+            choices.append([dict.fromkeys((at, *followers), cases[name].representative) for at in own])
         for chosen in product(*([*of_part, {}] for of_part in choices)):
             if any(chosen):
                 yield dict(chain.from_iterable(part.items() for part in chosen))

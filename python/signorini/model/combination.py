@@ -119,10 +119,6 @@ class Generated:
         """Load cases that occur in at least one combination."""
         return {case for _, terms in self.rows for case, _ in terms}
 
-    def factors_of(self, case: str) -> set[float]:
-        """All factors of a load case; 0 where it does not act."""
-        return {dict(terms).get(case, 0.0) for _, terms in self.rows}
-
 
 def read_factor_table(value: object) -> Listing | None:
     """Read a CSV file of combinations.
@@ -462,11 +458,15 @@ class Product:
         return {case for case, _ in self.fixed} | {c.case for choices in self.slots for c in choices if c.case}
 
 
+Expanded = Product | Listing | Generated
+"""Combinations of one table [[combination]], or a part of them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
     """All combinations in the order of the input; those that a table generates stand at the table's position."""
 
-    products: tuple[Product | Listing | Generated, ...]
+    products: tuple[Expanded, ...]
 
     def __post_init__(self) -> None:
         """Compute the index of each product's first combination."""
@@ -517,9 +517,7 @@ class Combinations(Sequence[Combination]):
                 yield product[index][0]
 
 
-def products(
-    combination: Combination, positions: Positions, cases: Cases, named: bool = False
-) -> Iterator[Product | Listing | Generated]:
+def products(combination: Combination, positions: Positions, cases: Cases, named: bool = False) -> Iterator[Expanded]:
     """Yield the combinations of one [[combination]] table of the input.
 
     With ``named``, names of combinations by a code begin with the name of the table.

@@ -31,16 +31,8 @@ from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.cases import MOST_GENERATED, Case, Positions, actions_of, complaints_of, missing_in
 from signorini.model.check import Check
-from signorini.model.combination import (
-    Choice,
-    Combination,
-    Combinations,
-    FrozenMapping,
-    Generated,
-    Listing,
-    Product,
-    products,
-)
+from signorini.model.check import Check
+from signorini.model.combination import Choice, Combination, Combinations, Expanded, FrozenMapping, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, Strip
@@ -367,7 +359,7 @@ class Model(Table):
         return tuple(self._case_complaints())
 
     @cached_property
-    def expanded(self) -> tuple[tuple[Product | Listing | Generated, ...], ...]:
+    def expanded(self) -> tuple[tuple[Expanded, ...], ...]:
         """Combinations of each table [[combination]]; if two tables have one rule, its names begin with the table's."""
         if self.refused or sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
             return ((),) * len(self.combination)
@@ -379,8 +371,8 @@ class Model(Table):
     def factors_of(self, case: str) -> Iterator[tuple[float, Place]]:
         """Yield the factors that each table [[combination]] gives a load case, with their place in the input."""
         for index, (table, every) in enumerate(zip(self.combination, self.expanded, strict=True)):
-            generated = (product.factors_of(case) for product in every if isinstance(product, Generated))
-            for factor in sorted(table.factors_of(case).union(*generated)):
+            generated = {(one.factors or {}).get(case, 0.0) for one in Combinations(every if table.rule else ())}
+            for factor in sorted(table.factors_of(case) | generated):
                 yield factor, ("combination", index, *table.cases.get(case, ()))
 
     @cached_property
