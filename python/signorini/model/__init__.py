@@ -31,7 +31,7 @@ from signorini.model.whole import Model, Solver, Units, validate
 __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Check", "Circle", "Combination", "Combinations",
     "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
-    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
+    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile", "Punching",
     "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units",
     "Zone", "validate",
 ]

@@ -15,7 +15,7 @@ from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, csv_text, name_cell
 from signorini.output.tables import snapped_json
-from signorini.results.figures import check_names, line_places, put
+from signorini.results.figures import check_names, columns_named, line_places, put
 from signorini.results.load_path import LoadPath
 from signorini.results.local_results import section_results
 from signorini.results.path_stop import PathStop

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from signorini.discretise.rows import Floats
-from signorini.model import Model
-from signorini.model import Check
+from signorini.model import Check, Model
 from signorini.results.local_results import SectionResult, StripResult
 from signorini.results.quantities import MEAN_SIDES, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Path
 from signorini.results.result import Result

@@ -71,7 +71,9 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "check"]
+Home = Literal[
+    "field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "punching", "check"
+]
 Key = tuple[Home, int | str, str]
 
 
@@ -393,7 +395,7 @@ _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
-        *("max_per_length", "min_per_length", "kern", "utilisation"),
+        *("max_per_length", "min_per_length", "kern", "v_ed", "utilisation"),
     )
 )
 """Names of quantities that are not linear in the load, even while the contact state does not change."""
@@ -435,7 +437,7 @@ class Number:
     def column(self) -> str:
         """Name of the number's column in tables."""
         what = self.what
-        if self.home in ("support", "check", *EXTREMES):
+        if self.home in ("support", "punching", "check", *EXTREMES):
             return f"{what}:{self.subject}"
         return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
 
