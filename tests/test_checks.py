@@ -1,13 +1,21 @@
 """Checks of numbers and fields, eccentricity and kern, overturning."""
 
+import csv
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from models import rectangular
 
-from signorini import InputError, Model, Results, check_results, estimate, path, solve
+from signorini import InputError, Model, Results, check_results, estimate, path, solve, write
+from signorini.discretise import discretise
+from signorini.equilibrium.balance import rigid_freedom
+from signorini.equilibrium.imbalance import largest_factor
+from signorini.equilibrium.stability import load_factors
+from signorini.model import Combination
 
 FOOTING: dict[str, Any] = {
     "size": [2, 1.5],
@@ -33,7 +41,7 @@ def test_pressure_eccentricity_kern_and_overturning_of_a_footing_are_those_of_st
         {"G": 1, "W": 1},
         {"name": "bearing", "of": "soil.max_pressure", "limit": 200e3},
         {"name": "kern", "of": "soil.kern", "limit": 1},
-        {"name": "overturning", "of": "overturning", "grows": "W"},
+        {"name": "overturning", "of": "overturning", "grows": ["W"]},
     )
     numbers = dict(zip(results["c"].catalogue.by_name, results["c"].numbers, strict=True))
     assert numbers["soil.eccentricity_x"] == pytest.approx(0.2, rel=1e-9)
@@ -97,7 +105,7 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
     support = [
         {"name": "feet", "at": [[0.2, 0.2], [1.8, 0.2], [0.2, 1.3], [1.8, 1.3]], "resists": "down", "limit": 150e3},
     ]
-    check = {"of": "overturning", "grows": "W"}
+    check = {"of": "overturning", "grows": ["W"]}
     results = footing({"G": 1, "W": 1}, check, support=support)
     (overturning,) = check_results(results)
     assert overturning.value == pytest.approx(1 / path(results.model, "G", "W").limit, rel=1e-6)
@@ -105,7 +113,7 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
 
 def test_an_anchored_plate_overturns_later() -> None:
     anchors = {"name": "anchors", "at": [[0.2, 0.2], [0.2, 1.3]], "resists": "up", "limit": 50e3}
-    check = {"of": "overturning", "grows": "W"}
+    check = {"of": "overturning", "grows": ["W"]}
     free, anchored = (
         check_results(footing({"G": 1, "W": -1}, check, support=[*FOOTING["support"], *more]))[0]
         for more in ((), [{**anchors, "at": [[1.8, 0.2], [1.8, 1.3]]}])
@@ -113,6 +121,67 @@ def test_an_anchored_plate_overturns_later() -> None:
     # About x = 0: 300 kN · 1 m, and two anchors of 50 kN at 1.8 m.
     assert free.value == pytest.approx(60 / 300, rel=1e-9)
     assert anchored.value == pytest.approx(60 / (300 + 2 * 50 * 1.8), rel=2e-2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_overturning_on_points_agrees_with_a_linear_program_over_reactions(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    # G stands in the middle of four feet.
+    feet = [[0.1, 0.1], [1.9, 0.1], [1.9, 1.4], [0.1, 1.4], *(0.3 + random.random((1, 2)) * [1.4, 0.9]).tolist()]
+    added = {"case": "Q", "force": 1e5, "at": random.random(2).tolist()}
+    model = rectangular(**FOOTING | {"support": [{"at": feet, "resists": "down"}], "load": [*FOOTING["load"], added]})
+    discretisation, freedom = discretise(model), rigid_freedom(discretise(model))
+    factors = [{"G": 1.0, "Q": q, "W": w} for q, w in random.uniform(-1, 1, (20, 2)).tolist()]
+    combinations = [Combination(name=f"c{number}", factors=of) for number, of in enumerate(factors)]
+    for own, of in zip(load_factors(discretisation, combinations, ["Q", "W"]), factors, strict=True):
+        case = {name: factor * discretisation.cases[name].weighing for name, factor in of.items()}
+        most = largest_factor(discretisation, freedom, freedom.outline, case["G"], case["Q"] + case["W"])
+        assert own == pytest.approx(most, rel=1e-6)
+
+
+def test_plates_on_one_another_have_checks_of_contacts_and_fields_of_each() -> None:
+    results = solve(
+        Model(
+            material={"E": 30e9, "nu": 0.2},
+            plates={
+                "slab": {"shape": "rectangle", "size": [4, 3], "thickness": 0.3},
+                "raft": {"shape": "rectangle", "size": [4, 3], "thickness": 0.4},
+            },
+            mesh={"divisions": [8, 6]},
+            support=[{"name": "soil", "plate": "raft", "area": "all", "resists": "down", "stiffness": 2e7}],
+            contact=[{"name": "bed", "between": ["slab", "raft"], "area": "all", "stiffness": 1e9}],
+            load=[
+                {"case": "G", "plate": "slab", "pressure": 20e3},
+                {"case": "W", "plate": "slab", "moment": [30e3, 0], "at": [2, 1.5], "radius": 0.4},
+            ],
+            combination=[{"name": "c", "factors": {"G": 1, "W": 2}}, {"name": "tips", "factors": {"G": 1, "W": 30}}],
+            check=[
+                {"of": "bed.kern", "limit": 1},
+                {"of": "overturning", "grows": ["W"]},
+                {"of": "raft.mx", "limit": 1e5},
+            ],
+        )
+    )
+    kern, overturning, moment = check_results(results)
+    # 240 kN on 4 m; e = 60/240 m
+    assert kern.value == pytest.approx(6 * 0.25 / 4, rel=1e-9)
+    assert overturning.value == pytest.approx(900 / 480, rel=1e-9)
+    ends = results["c"].plates["raft"].extremes["mx"]
+    assert moment.value in (ends.max, ends.min, ends.max_mean, ends.min_mean)
+
+
+def test_files_have_the_checks(tmp_path: Path) -> None:
+    results = footing({"G": 1, "W": 1}, {"name": "=bearing", "of": "soil.max_pressure", "limit": 100e3})
+    files = {file.name for file in write(results, tmp_path, pictures="none")}
+    assert "checks.csv" in files
+    values = json.loads((tmp_path / "results.json").read_text("utf-8"))
+    (one,) = values["checks"]
+    assert one["passed"] is False
+    assert one["utilisation"] == values["combinations"][0]["checks"][0]["utilisation"]
+    assert one["utilisation"] == values["combinations"][0]["supports"][0]["max_pressure"] / 100e3
+    (row,) = csv.DictReader((tmp_path / "checks.csv").open(encoding="utf-8"))
+    assert row["name"] == "'=bearing"
+    assert float(row["utilisation"]) == one["utilisation"]
 
 
 BASE_PLATE: dict[str, Any] = {
@@ -213,12 +282,12 @@ def test_a_path_finds_where_a_check_is_reached() -> None:
         ({"of": "von_mises"}, "limit"),
         ({"of": "von_mises", "limit": 0}, "limit"),
         ({"of": "von_mises", "limit": [1, 2]}, "limit"),
-        ({"of": "von_mises", "limit": 1, "grows": "M"}, "grows"),
+        ({"of": "von_mises", "limit": 1, "grows": ["M"]}, "grows"),
         ({"of": "overturning"}, "grows"),
-        ({"of": "overturning", "grows": "W"}, "grows"),
+        ({"of": "overturning", "grows": ["W"]}, "grows"),
         ({"of": "von_mises", "limit": 1, "group": "EQU"}, "group"),
         ({"of": "von_mises", "limit": 1, "combinations": ["N", "M"]}, "combinations"),
-        ({"of": "von_mises", "limit": 1, "combinations": "N", "group": "SLS"}, "group"),
+        ({"of": "von_mises", "limit": 1, "combinations": ["N"], "group": "SLS"}, "group"),
         ({"of": "von_misses", "limit": 1}, "of"),
     ],
 )

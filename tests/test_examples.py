@@ -408,3 +408,11 @@ def test_a_trench_lid_lifts_from_its_frame_away_from_the_wheel() -> None:
     lid, frame = (result.plates[name].probe([1.15, 0.95])[0].deflection for name in ("lid", "frame"))
     assert lid < frame
     assert result.supports[-1].closed_part < 0.5
+
+
+def test_the_slab_by_en_1990_has_an_envelope_of_each_limit_state() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "slab_by_en1990.toml"))
+    # Leading live load: 3 patterns, 3 cases of wind; leading wind: 2 directions, 4 patterns; neither. G up and down.
+    assert results.model.effective_combinations.groups == {"ULS": 36, "EQU": 36, "SLS": 18 + 3}
+    assert results.combined.solved == 93
+    assert results.table["factor:walls"].tolist() == results.table["factor:G"].tolist()

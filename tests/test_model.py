@@ -46,7 +46,7 @@ def test_defaults_are_filled_in():
     assert (bearings.name, bearings.resists, bearings.place) == ("support 2", "down", "at")
     assert soil.gap.value == 0
     assert soil.stiffness is not None and soil.stiffness.value == 30e6
-    assert model.cases == ("G", "Q", "T")
+    assert model.load_cases == ("G", "Q", "T")
     assert [load.kind for load in model.load] == ["self_weight", "force", "line_load", "curvature", "moment"]
     assert [combination.name for combination in model.combination] == ["ULS", "combination 2"]
     assert model.plate.shear_factor == 5 / 6

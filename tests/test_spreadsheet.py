@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 from models import tables
-from test_verification import everything
+from test_verification import CHECKED, everything
 from typer.testing import CliRunner
 
 import signorini
@@ -105,6 +105,26 @@ def test_the_summary_and_the_combinations_say_where_the_numbers_come_from(
         assert [row[f"factor of {case}"] for case in "GQ"] == [one.factors.get(case) for case in "GQ"]
         supports = next(of["supports"] for of in values["combinations"] if of["name"] == one.name)
         assert row["reaction:soil [N]"] == pytest.approx(supports[1]["reaction"], rel=1e-9)
+
+
+def test_checks_and_punching_have_sheets_with_units() -> None:
+    results = solve(everything(**CHECKED))
+    values = results_json(results)
+    sheets = {
+        sheet.name: [dict(zip(sheet.columns, row, strict=False)) for row in sheet.rows]
+        for sheet in sheets_of(values, results)
+    }
+    for row, check in zip(sheets["Checks"], values["checks"], strict=False):
+        (value,) = (cell for title, cell in row.items() if title.startswith("value") and "[N/m²]" in title)
+        assert (row["name"], row["limit"], row["combination"], value) == (
+            check["name"],
+            check["limit"],
+            None,
+            check["value"],
+        )
+    assert len(sheets["Checks"]) == 2 * (1 + len(results)) and len(sheets["Punching"]) == 2 * len(results)
+    first = values["combinations"][0]["punching"][0]
+    assert sheets["Punching"][0]["vEd [N/m²], shear stress at u1"] == first["v_ed"]
 
 
 def test_no_cell_is_computed_and_every_name_is_text(tmp_path: Path) -> None:

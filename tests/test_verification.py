@@ -98,6 +98,34 @@ def test_every_changed_number_is_found_by_its_path(
         assert one.stored == by(one.computed) and one.difference == pytest.approx(one.stored - one.computed)
 
 
+CHECKED = {
+    "units": {"length": "m", "force": "N"},
+    "punching": [
+        {
+            "support": "feet",
+            "column": [0.3, 0.3],
+            "code": "EN 1992-1-1:2004",
+            **{"d": [0.15, 0.15], "rho": [0.005, 0.005], "fck": 30e6, "fyk": 500e6},
+        }
+    ],
+    "check": [
+        {"name": "stress", "of": "von_mises", "limit": 20e6},
+        {"name": "=soil", "of": "soil.max_pressure", "limit": 2e5},
+    ],
+}
+
+
+def test_checks_and_punching_are_compared(tmp_path: Path) -> None:
+    write(solve(everything(**CHECKED)), tmp_path, pictures="none")
+    stored = json.loads((tmp_path / "results.json").read_text("utf-8"))
+    assert verified(stored, tmp_path).equal
+    places = [(path, value) for path, value in numbers(stored) if {"checks", "punching"} & set(path)]
+    picked = random.Random(1).sample([(path, value) for path, value in places if path[0] != "input"], 30)
+    for path, value in picked:
+        changed(stored, path, 1.5 * value + 1)
+    assert {one.path for one in verified(stored, tmp_path).differences} == {path for path, _ in picked}
+
+
 def test_missing_and_additional_keys_texts_and_states_are_found(stored: dict[str, Any], tmp_path: Path) -> None:
     tampered = copy.deepcopy(stored)
     del tampered["governing_reactions"][0]["max"]

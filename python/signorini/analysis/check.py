@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from signorini.analysis.checks import require_checks
 from signorini.analysis.tightening import loosened
 from signorini.base.linear_program import minimise
 from signorini.base.provenance import PROGRAM
@@ -228,6 +229,7 @@ def check(model: Model) -> Check:
     (True, 20000.0, (2.0, 1.5))
     """
     discretisation = discretise(model)
+    require_checks(discretisation)
     freedom = rigid_freedom(discretisation)
     if model.tabulated:
         return Check(discretisation, tuple(_resultants(discretisation, freedom)))

@@ -21,48 +21,26 @@ from signorini.results.result import Result
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Result of one check in its governing combination; None where no checked combination has a number.
-
-    Parameters
-    ----------
-    name, of : str
-        Name of the check, and the field or number that it measures.
-    value, limit : float or None
-        Value that governs, and the limit on its side. For overturning the value is 1/λ; None if it is infinite.
-    utilisation, plus_minus : float or None
-        value / limit, and its half-width if it is estimated.
-    governing : str or None
-        Name of the combination with the largest utilisation.
-    place : tuple of float, or str, or None
-        Position of the extreme of a field, or the name of the object with the number, such as "probe[1]".
-    without_equilibrium : int
-        Number of checked combinations that have no equilibrium, and so no numbers.
-    passed : bool or None
-        True if utilisation + ± ≤ 1 in all checked combinations, False if utilisation − ± > 1, else None.
-    verdict : str
-        The same in words.
-    """
+    """Result of one check in its governing combination; None where no checked combination has a number."""
 
     name: str
-    of: str
-    value: float | None
-    limit: float | None
-    utilisation: float | None
-    plus_minus: float | None
-    governing: str | None
+    of: str  # the field or number that it measures
+    value: float | None  # for overturning 1/λ; None if it is infinite
+    limit: float | None  # on the side of the value
+    utilisation: float | None  # value / limit
+    plus_minus: float | None  # half-width of the utilisation
+    governing: str | None  # name of the combination with the largest utilisation
+    # position of the extreme of a field, or name of the object with the number, such as "probe[1]"
     place: tuple[float, float] | str | None
-    without_equilibrium: int
-    passed: bool | None
-    verdict: str
+    without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
+    passed: bool | None  # True if utilisation + ± ≤ 1 and no equilibrium is missing, False if utilisation − ± > 1
+    verdict: str  # the same in words
 
 
 def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
-    if not model.check:
-        return
-    catalogue = catalogue_of(discretisation, TOLD)
-    if model.tabulated:
+    if model.check and (catalogue := catalogue_of(discretisation, TOLD)) and model.tabulated:
         require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
 
 
@@ -101,28 +79,16 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     used = [float(value / check.limit_of(np.array(value))) for value, _ in known]
     if not used:
         verdict = "no equilibrium" if missing else "no value"
-        return CheckResult(check.name, check.of, *(None,) * 6, len(missing), None, verdict)
+        return CheckResult(check.name, check.of, None, None, None, None, None, None, len(missing), None, verdict)
     value, row = known[int(np.argmax(used))]
     limit, utilisation, name = float(check.limit_of(np.array(value))), max(used), results.key(row)
     width = None if estimates is None else estimates.half_width(f"utilisation:{check.name}", row)
-    told = estimates is not None
-    if told and row in missing and not results.model.has_limits:
+    if estimates is not None and row in missing and not results.model.has_limits:
         width = 0.0
-    passed, verdict = _judged(utilisation, width, told, len(missing))
-    finite = math.isfinite(utilisation)
-    return CheckResult(
-        name=check.name,
-        of=check.of,
-        value=value if finite else None,
-        limit=limit,
-        utilisation=utilisation if finite else None,
-        plus_minus=width if finite else None,
-        governing=name,
-        place=None if check.of == OVERTURNING else _place(results[name], index),
-        without_equilibrium=len(missing),
-        passed=passed,
-        verdict=verdict,
-    )
+    passed, verdict = _judged(utilisation, width, estimates is not None, len(missing))
+    where = None if check.of == OVERTURNING else _place(results[name], index)
+    own, part, half = (value, utilisation, width) if math.isfinite(utilisation) else (None, None, None)
+    return CheckResult(check.name, check.of, own, limit, part, half, name, where, len(missing), passed, verdict)
 
 
 def _judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
@@ -132,7 +98,7 @@ def _judged(utilisation: float, width: float | None, estimated: bool, missing: i
     if missing:
         return None, "no equilibrium"
     if estimated and width is None:
-        return (None, "± unknown")
+        return None, "± unknown"
     if utilisation + (width or 0.0) > 1.0:
         return None, "undecided: 1 is within ±"
     return True, "passed"

@@ -26,7 +26,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
-from signorini.results.checks import checks_in, widened
+from signorini.results.checks import widened
 from signorini.results.envelope import NONE
 from signorini.results.quantities import Number
 from signorini.results.rows import Column, Layout
@@ -244,7 +244,7 @@ class _Rows:
     def _of_checks(self, widths: Mapping[str, Floats], shown: Mapping[str, Column]) -> dict[str, Floats]:
         """Half-widths (k,) of the columns of checks, from those of other columns and the columns of this mesh."""
         catalogue = self.layout.catalogue
-        checks = [place for one in checks_in(catalogue) for place in one.targets]
+        checks = [place for place, one in enumerate(catalogue) if one.check is not None]
         if not checks:
             return {}
         columns, unknown = [one.column for one in catalogue], np.full(len(next(iter(widths.values()))), np.nan)

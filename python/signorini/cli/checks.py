@@ -24,9 +24,9 @@ def print_checks(console: Console, results: Results, estimates: Estimates | None
     for one in checks:
         cells = ["", "", "∞" if one.governing and one.utilisation is None else ""]
         if one.value is not None and one.limit is not None and one.utilisation is not None:
-            used = one.utilisation if one.plus_minus is None else None
-            utilisation = estimated(one.utilisation, one.plus_minus, 1.0) if used is None else number(used, 1.0)
-            cells = [number(one.value, abs(one.value)), f"{one.limit:g}", utilisation]
+            width = one.plus_minus
+            used = number(one.utilisation, 1.0) if width is None else estimated(one.utilisation, width, 1.0)
+            cells = [number(one.value), f"{one.limit:g}", used]
         by = labels.cell(one.governing) if one.governing else ""
         at = point(one.place, results.discretisation.mesh.size) if isinstance(one.place, tuple) else one.place or ""
         shown.add(one.name, one.of, *cells, by, at, Text(one.verdict, style=_STYLES[one.passed]))

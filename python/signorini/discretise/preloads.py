@@ -84,6 +84,4 @@ def _factors(model: Model, bolt_round: Tightening, place: Place) -> Iterator[tup
     """Yield each factor by which combinations multiply the forces of a round, with its place in the input."""
     yield 1.0, place
     if bolt_round.case is not None:
-        for number, combination in enumerate(model.combination):
-            for factor in sorted(combination.factors_of(bolt_round.case)):
-                yield factor, ("combination", number, *combination.cases[bolt_round.case])
+        yield from model.factors_of(bolt_round.case)

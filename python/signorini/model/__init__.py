@@ -4,6 +4,7 @@
 problem of an input. ``validate`` makes a ``Model`` from a mapping.
 """
 
+from signorini.model.cases import Case, Gamma
 from signorini.model.check import Check
 from signorini.model.combination import Combination, Combinations, Factors
 from signorini.model.field import FieldTable
@@ -29,10 +30,10 @@ from signorini.model.whole import Model, Solver, Units, validate
 
 # fmt: off
 __all__ = [
-    "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Check", "Circle", "Combination", "Combinations",
-    "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
-    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile", "Punching",
-    "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units",
-    "Zone", "validate",
+    "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Check", "Circle", "Combination",
+    "Combinations", "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load", "Material",
+    "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
+    "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip",
+    "Support", "Tightening", "Units", "Zone", "validate",
 ]
 # fmt: on

@@ -221,7 +221,7 @@ def first_duplicate(values: Sequence[object]) -> object | None:
     return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 
-def _unique_list(kind: type, form: str) -> BeforeValidator:
+def unique_list(kind: type, form: str) -> BeforeValidator:
     """Return a validator of a list without duplicates; a single value of type ``kind`` becomes a list of one value."""
 
     def read(value: object) -> object:
@@ -237,7 +237,7 @@ def _unique_list(kind: type, form: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
-def _as_tuple(value: object) -> object:
+def as_tuple(value: object) -> object:
     """Read a single value as a list of one value."""
     value = as_list(value)
     return value if isinstance(value, list | tuple) else [value]
@@ -255,7 +255,7 @@ Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
 Counts = Annotated[
     tuple[Count, ...],
     Field(min_length=1),
-    BeforeValidator(_as_tuple),
+    BeforeValidator(as_tuple),
     PlainSerializer(lambda counts: counts[0] if len(counts) == 1 else counts),
     WithJsonSchema(
         {"type": ["integer", "array"], "minimum": 1, "minItems": 1, "items": {"type": "integer", "minimum": 1}}
@@ -286,7 +286,7 @@ Polyline = Annotated[tuple[Point, ...], BeforeValidator(_polyline), Field(json_s
 NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
 Nodes = Annotated[
     tuple[NodeNumber, ...],
-    _unique_list(Integral, "the number of a node or a list of numbers"),
+    unique_list(Integral, "the number of a node or a list of numbers"),
     WithJsonSchema(
         {
             "anyOf": [
@@ -298,7 +298,7 @@ Nodes = Annotated[
 ]
 Edges = Annotated[
     tuple[Text, ...],
-    _unique_list(str, "the name of an edge or a list of names"),
+    unique_list(str, "the name of an edge or a list of names"),
     WithJsonSchema(
         {
             "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}],

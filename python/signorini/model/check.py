@@ -23,21 +23,11 @@ def _bounds(value: object) -> object:
     return value if isinstance(value, list | tuple) else (-base.number(value), base.number(value))
 
 
-def _texts(value: object) -> object:
-    value = as_list(value)
-    return [value] if isinstance(value, str) else value
-
-
 Bounds = Annotated[
     tuple[base.Number, base.Number],
     BeforeValidator(base.listed(2, "one number, or two: [lower, upper]")),
     BeforeValidator(_bounds),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 2}]}),
-]
-Texts = Annotated[
-    tuple[base.Text, ...],
-    BeforeValidator(_texts),
-    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
 
 
@@ -52,9 +42,9 @@ class Check(base.Named):
         default=None,
         description="Limit of the magnitude, or [lower, upper] with lower < 0 < upper. Default for overturning: 1.",
     )
-    combinations: Texts = Field(default=(), description="Names of the combinations that are checked; default all.")
-    group: base.Text = Field(default="", description="Group of the combinations that are checked; default all.")
-    grows: Texts = Field(
+    combinations: tuple[base.Text, ...] = Field(default=(), description="Names of checked combinations; default all.")
+    group: base.Text = Field(default="", description="Group of checked combinations; default all.")
+    grows: tuple[base.Text, ...] = Field(
         default=(),
         description="For overturning: load cases that are multiplied by λ until equilibrium ends; the other cases "
         "stay. The value is 1/λ.",

@@ -6,14 +6,17 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
+from itertools import accumulate, chain
 from pathlib import Path
-from typing import Annotated, Any, Generic, Literal, TypeVar, overload
+from typing import Annotated, Any, Generic, Literal, TypeVar, get_args, overload
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
+from signorini.design import asce7, en1990
+from signorini.design.combining import Rule, Terms, combine, summed, term
 from signorini.expression import LARGEST
-from signorini.model.base import Complaint, Named, Number, Text, first_duplicate
+from signorini.model.base import Complaint, Named, Number, Positive, Text, first_duplicate, unique_list
+from signorini.model.cases import RULES, Cases, Gamma, Positions, RuleName, actions_of
 from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
@@ -22,13 +25,15 @@ _LARGEST_FILE = 200_000_000
 
 Value = TypeVar("Value")
 
-Generate = Literal["table", "patterns", "positions"]
+Generate = Literal["table", "patterns", "positions", "en1990", "asce7"]
 
 _KEYS_OF: dict[Generate | None, tuple[str, ...]] = {
     None: ("factors",),
     "positions": ("factors",),
     "table": ("file", "columns", "rows"),
     "patterns": ("permanent", "variable", "exclusive"),
+    "en1990": ("rule", "gamma", "xi", "accidental_leading"),
+    "asce7": ("rule",),
 }
 
 
@@ -91,6 +96,32 @@ class Listing:
     def cases(self) -> set[str]:
         """Names of the load cases in the columns."""
         return set(self.columns)
+
+
+@dataclass(frozen=True)
+class Generated:
+    """Combinations by rules of a code: names, and the load cases of each with their factors."""
+
+    rows: tuple[tuple[str, Terms], ...]
+    group: str = ""
+
+    def __len__(self) -> int:
+        """Return the number of combinations."""
+        return len(self.rows)
+
+    def __getitem__(self, index: int) -> tuple[str, Factors]:
+        """Return the name and the factors of combination number ``index``, counted from 0."""
+        name, terms = self.rows[index]
+        return name, Factors(dict(terms))
+
+    @property
+    def cases(self) -> set[str]:
+        """Load cases that occur in at least one combination."""
+        return {case for _, terms in self.rows for case, _ in terms}
+
+    def factors_of(self, case: str) -> set[float]:
+        """All factors of a load case; 0 where it does not act."""
+        return {dict(terms).get(case, 0.0) for _, terms in self.rows}
 
 
 def read_factor_table(value: object) -> Listing | None:
@@ -182,6 +213,8 @@ def _row(value: object) -> object:
     return tuple(as_list(value)) if isinstance(as_list(value), list) else value
 
 
+_RULE = {"enum": list(get_args(RuleName))}
+_RULE_SCHEMA = WithJsonSchema({"anyOf": [_RULE, {"type": "array", "items": _RULE, "minItems": 1}]})
 Row = Annotated[tuple[Number, ...], BeforeValidator(_row)]
 Rows = Annotated[Mapping[Text, Row], Field(min_length=1), AfterValidator(FrozenMapping), PlainSerializer(dict)]
 
@@ -193,7 +226,7 @@ class Combination(Named):
         json_schema_extra={
             "oneOf": [
                 {"required": ["factors"]},
-                {"required": ["generate"], "properties": {"generate": {"enum": ["table", "patterns"]}}},
+                {"required": ["generate"], "properties": {"generate": {"enum": ["table", "patterns", *RULES]}}},
             ]
         }
     )
@@ -221,7 +254,8 @@ class Combination(Named):
     generate: Generate | None = Field(
         default=None,
         description="table: a combination per row; patterns: every pattern of the variable cases, with all permanent "
-        "cases; positions: a combination per position of the moving cases in factors.",
+        "cases; positions: a combination per position of the moving cases in factors; en1990, asce7: every "
+        "combination by rules of a code.",
     )
     file: Annotated[
         Listing | None,
@@ -248,6 +282,18 @@ class Combination(Named):
     exclusive: tuple[Annotated[tuple[Text, ...], Field(min_length=2)], ...] = Field(
         default=(), description="For patterns: lists of variable cases of which at most one acts."
     )
+    rule: Annotated[tuple[RuleName, ...], unique_list(str, "a rule or a list of rules"), _RULE_SCHEMA] | None = Field(
+        default=None, description="For en1990 and asce7: a rule of the code, or a list of rules."
+    )
+    gamma: Gamma | None = Field(
+        default=None, description="For en1990: partial factors in place of the recommended ones."
+    )
+    xi: Annotated[Positive, Field(le=1)] | None = Field(
+        default=None, description="For the rule 6.10ab: ξ, default 0.85; it reduces unfavourable permanent factors."
+    )
+    accidental_leading: Literal["psi1", "psi2"] | None = Field(
+        default=None, description="For the rule accidental: factor of the leading variable action; default psi1."
+    )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.generate is None and self.factors is None:
@@ -273,6 +319,34 @@ class Combination(Named):
                 yield from self._table_complaints()
             case "patterns":
                 yield from self._pattern_complaints()
+            case "en1990" | "asce7":
+                yield from self._rule_complaints()
+
+    def _rule_complaints(self) -> Iterator[Complaint]:
+        own = RULES[self.generate or ""]
+        allowed = ", ".join(own)
+        if not self.rule:
+            yield ("rule",), f"'rule' is missing. It must be one or more of {allowed}."
+        elif others := [rule for rule in self.rule if rule not in own]:
+            yield ("rule",), f'"{others[0]}" is no rule of {self.generate}; its rules are {allowed}.'
+        elif self.generate == "en1990":
+            recommended = en1990.GAMMA[self.rule[0]]
+            if self.gamma is not None and any(en1990.GAMMA[rule] != recommended for rule in self.rule):
+                yield ("gamma",), "the rules have different recommended factors; give each a table [[combination]]."
+            for kind in (self.gamma.values.keys() if self.gamma else set()) - recommended.keys():
+                yield ("gamma", kind), f'the rule "{self.rule[0]}" has no factor of {kind} cases.'
+            for key, rule in (("xi", "6.10ab"), ("accidental_leading", "accidental")):
+                if getattr(self, key) is not None and rule not in self.rule:
+                    yield (key,), f'{key} is for the rule "{rule}".'
+
+    @property
+    def rules(self) -> dict[str, list[Rule]]:
+        """Rules of the code by the names in ``rule``."""
+        if self.generate == "asce7":
+            return {name: list(asce7.rules(name)) for name in self.rule or ()}
+        gamma = self.gamma.values if self.gamma is not None else {}
+        leading = en1990.PSI2 if self.accidental_leading == "psi2" else en1990.PSI1
+        return {name: list(en1990.rules(name, gamma, self.xi or en1990.XI, leading)) for name in self.rule or ()}
 
     def _table_complaints(self) -> Iterator[Complaint]:
         keys = self.present(("columns", "rows"))
@@ -344,10 +418,6 @@ class Combination(Named):
         return factors
 
 
-Positions = Mapping[str, Sequence[str]]
-"""Map from each moving load's case to the load cases of its positions."""
-
-
 @dataclass(frozen=True)
 class Choice:
     """One option in a slot of `Product`: a load case with its factor and its term in the combination's name.
@@ -383,7 +453,7 @@ class Product:
             index, number = divmod(index, len(choices))
             chosen.insert(0, choices[number])
         factors = dict(self.fixed) | {choice.case: choice.factor for choice in chosen if choice.case}
-        terms = _sum([choice.term for choice in chosen if choice.term])
+        terms = summed([choice.term for choice in chosen if choice.term])
         return ": ".join(part for part in (self.name, terms) if part), Factors(factors)
 
     @property
@@ -396,7 +466,7 @@ class Product:
 class Combinations(Sequence[Combination]):
     """All combinations in the order of the input; those that a table generates stand at the table's position."""
 
-    products: tuple[Product | Listing, ...]
+    products: tuple[Product | Listing | Generated, ...]
 
     def __post_init__(self) -> None:
         """Compute the index of each product's first combination."""
@@ -447,8 +517,13 @@ class Combinations(Sequence[Combination]):
                 yield product[index][0]
 
 
-def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
-    """Yield the combinations of one [[combination]] table of the input."""
+def products(
+    combination: Combination, positions: Positions, cases: Cases, named: bool = False
+) -> Iterator[Product | Listing | Generated]:
+    """Yield the combinations of one [[combination]] table of the input.
+
+    With ``named``, names of combinations by a code begin with the name of the table.
+    """
     group = combination.group
     match combination.generate:
         case None:
@@ -463,6 +538,10 @@ def products(combination: Combination, positions: Positions) -> Iterator[Product
                 yield replace(listing, group=group)
         case "patterns":
             yield Product(combination.name, (), tuple(_patterns(combination, positions)), group)
+        case "en1990" | "asce7" as code:
+            prefix = f"{combination.name} " if named else ""
+            rules, actions = chain.from_iterable(combination.rules.values()), actions_of(cases, positions, code)
+            yield Generated(tuple((prefix + name, terms) for name, terms in combine([*rules], actions)), group)
 
 
 def _factors(combination: Combination) -> Mapping[str, float]:
@@ -483,7 +562,7 @@ def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[
 
     def choices(case: str, values: Sequence[float]) -> tuple[Choice, ...]:
         names = positions.get(case, (case,))
-        return tuple(Choice(_term(factor, name), name, factor) for factor in values for name in names)
+        return tuple(Choice(term(factor, name), name, factor) for factor in values for name in names)
 
     assert combination.variable is not None  # Patterns without variable cases have been refused.
     for case, values in (combination.permanent or {}).items():
@@ -493,13 +572,3 @@ def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[
         group = grouped.get(case, (case,))
         if case == group[0]:
             yield (Choice(), *(choice for name in group for choice in choices(name, combination.variable[name])))
-
-
-def _term(factor: float, case: str) -> str:
-    return case if factor == 1 else f"-{case}" if factor == -1 else f"{factor:.12g} {case}"
-
-
-def _sum(terms: Sequence[str]) -> str:
-    """Write terms as a sum, such as "1.35 G - W"."""
-    first, *others = terms or [""]
-    return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in others)

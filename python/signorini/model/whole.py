@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
+from itertools import chain
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
@@ -23,11 +25,22 @@ from pydantic_core import PydanticCustomError
 
 from signorini.base.arguments import checked
 from signorini.base.provenance import Provenance
+from signorini.design.combining import count
 from signorini.errors import InputError, Place, unknown
 from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
+from signorini.model.cases import MOST_GENERATED, Case, Positions, actions_of, complaints_of, missing_in
 from signorini.model.check import Check
-from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
+from signorini.model.combination import (
+    Choice,
+    Combination,
+    Combinations,
+    FrozenMapping,
+    Generated,
+    Listing,
+    Product,
+    products,
+)
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, Strip
@@ -138,7 +151,7 @@ class Model(Table):
     ...     support=[{"at": [[1, 1], [9, 1], [5, 9]], "resists": "down"}],
     ...     load=[{"pressure": 2e3}],
     ... )
-    >>> model.support[0].name, model.cases
+    >>> model.support[0].name, model.load_cases
     ('support 1', ('load',))
     """
 
@@ -168,6 +181,10 @@ class Model(Table):
         default=(), description="Contacts of a plate with a plate below."
     )
     load: tuple[Load, ...] = Field(description="The loads, at least one.")
+    cases: Annotated[Mapping[Text, Case], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
+        default_factory=lambda: FrozenMapping({}),
+        description="Load cases as actions, by name; for combinations by a design code.",
+    )
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; default: one named "all", with factor 1 for every case.'
     )
@@ -244,7 +261,8 @@ class Model(Table):
         copy = self.model_copy(update=tables)
         copy.__dict__.update({"_original": self} | self._cached())
         if "combination" in tables:
-            copy.__dict__.pop("effective_combinations", None)
+            for key in ("effective_combinations", "expanded"):
+                copy.__dict__.pop(key, None)
         return copy
 
     @property
@@ -279,7 +297,7 @@ class Model(Table):
         return parts_of(self)
 
     @property
-    def cases(self) -> tuple[str, ...]:
+    def load_cases(self) -> tuple[str, ...]:
         """Names of the load cases of [[load]] in the order of the input, followed by the load cases of preloads."""
         return tuple(dict.fromkeys([*(load.case for load in self.load), *self.preload_cases]))
 
@@ -342,17 +360,38 @@ class Model(Table):
         return columns_of(self.punching, self.support, self.load)
 
     @cached_property
+    def refused(self) -> tuple[Complaint, ...]:
+        """Problems of [cases] and of combinations by a code, with their places; empty in a valid model."""
+        return tuple(self._case_complaints())
+
+    @cached_property
+    def expanded(self) -> tuple[tuple[Product | Listing | Generated, ...], ...]:
+        """Combinations of each table [[combination]]; if two tables have one rule, its names begin with the table's."""
+        if self.refused or sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
+            return ((),) * len(self.combination)
+        shared = Counter((table.generate, rule) for table in self.combination for rule in table.rule or ())
+        named = [any(shared[table.generate, rule] > 1 for rule in table.rule or ()) for table in self.combination]
+        tables, positions = zip(self.combination, named, strict=True), self.positions
+        return tuple(tuple(products(table, positions, self.cases, prefixed)) for table, prefixed in tables)
+
+    def factors_of(self, case: str) -> Iterator[tuple[float, Place]]:
+        """Yield the factors that each table [[combination]] gives a load case, with their place in the input."""
+        for index, (table, every) in enumerate(zip(self.combination, self.expanded, strict=True)):
+            generated = (product.factors_of(case) for product in every if isinstance(product, Generated))
+            for factor in sorted(table.factors_of(case).union(*generated)):
+                yield factor, ("combination", index, *table.cases.get(case, ()))
+
+    @cached_property
     def effective_combinations(self) -> Combinations:
         """All combinations; generated combinations are made on access.
 
         Without [[combination]] there is one, "all", with factor 1 for every case; with moving loads, one for each
         position. Actions without a case, such as settlements, act in every combination.
         """
-        positions = self.positions
         if self.combination:
-            return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
-        slots = tuple(tuple(Choice(name, name, 1.0) for name in names) for names in positions.values())
-        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), slots),))
+            return Combinations(tuple(chain.from_iterable(self.expanded)))
+        slots = tuple(tuple(Choice(name, name, 1.0) for name in names) for names in self.positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.load_cases), slots),))
 
     @property
     def tabulated(self) -> bool:
@@ -378,6 +417,7 @@ class Model(Table):
         if self.plate is not None:
             yield from self.complaints_of_plate()
         yield from self._moving_complaints()
+        yield from self.refused
         yield from self._combination_complaints()
         yield from self._preload_complaints()
         for index, punching in enumerate(self.punching):
@@ -444,7 +484,7 @@ class Model(Table):
     def _moving_complaints(self) -> Iterator[Complaint]:
         yield from _repeated("moving", [moving.case for moving in self.moving], key="case")
         for index, moving in enumerate(self.moving):
-            if moving.case in self.cases:
+            if moving.case in self.load_cases:
                 where = "a preload" if moving.case in self.preload_cases else "[[load]]"
                 why = f'"{moving.case}" is also a case of {where}; give the moving load another case.'
                 yield ("moving", index, "case"), why
@@ -456,11 +496,37 @@ class Model(Table):
                 f"the moving loads have {total} positions; at most {_MAX_POSITIONS} are allowed. Use a larger step.",
             )
 
+    def _case_complaints(self) -> Iterator[Complaint]:
+        if sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
+            return
+        positions = self.positions
+        known = (*self.load_cases, *positions)
+        if wrong := [*complaints_of(self.cases, known, positions)]:
+            yield from wrong
+            return
+        for index, combination in enumerate(self.combination):
+            code = combination.generate
+            if code != "en1990" and code != "asce7":
+                continue
+            if missing := missing_in(self.cases, known, code):
+                yield ("combination", index, "generate"), missing
+                continue
+            actions = actions_of(self.cases, positions, code)
+            counts = {name: count(rules, actions) for name, rules in combination.rules.items()}
+            for name in (name for name, number in counts.items() if not number):
+                yield ("combination", index, "rule"), f'"{name}" gives no combination of the load cases in [cases].'
+            if (total := sum(counts.values())) > MOST_GENERATED:
+                yield (
+                    ("combination", index),
+                    f"found {total} combinations; at most {MOST_GENERATED} are allowed. Put cases that do not act "
+                    "together into one group, or join cases by with.",
+                )
+
     def _combination_complaints(self) -> Iterator[Complaint]:
         if sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
             return
         positions = self.positions
-        fixed = (*self.cases, *(name for names in positions.values() for name in names))
+        fixed = (*self.load_cases, *(name for names in positions.values() for name in names))
         total = 0
         for index, combination in enumerate(self.combination):
             valid = True
@@ -474,11 +540,11 @@ class Model(Table):
                     )
                 elif case not in fixed and case not in positions:
                     valid = False
-                    yield ("combination", index, *place), unknown("case", case, (*self.cases, *positions))
+                    yield ("combination", index, *place), unknown("case", case, (*self.load_cases, *positions))
             if combination.generate == "positions" and not positions.keys() & combination.cases.keys():
                 yield ("combination", index, "factors"), 'generate = "positions" needs a case of [[moving]] in factors.'
             if valid:
-                total += sum(len(product) for product in products(combination, positions))
+                total += sum(map(len, self.expanded[index]))
             if total > _MAX_COMBINATIONS:
                 yield (
                     ("combination", index),
@@ -490,7 +556,6 @@ class Model(Table):
 
     def _preload_complaints(self) -> Iterator[Complaint]:
         of_loads = {load.case for load in self.load}
-        named = {case for combination in self.combination for case in combination.cases}
         by_name = {support.name: support for support in self.support}
         for index, bolt_round in enumerate(self.tightening):
             if bolt_round.support not in by_name:
@@ -504,22 +569,20 @@ class Model(Table):
         for place, case in cases:
             if case in of_loads:
                 yield place, f'"{case}" is also a case of [[load]]; give the preload another case.'
-            elif case is not None and self.combination and case not in named:
+            elif case is not None and self.combination and next(self.factors_of(case), None) is None:
                 why = f'no combination has the case "{case}", so the bolts would never be tightened.'
                 yield place, f"{why} Add it to a combination, or remove {place[-1]} for factor 1 in all."
-        for index, combination in enumerate(self.combination):
-            for case in self.preload_cases:
-                if (least := min(combination.factors_of(case), default=0.0)) < 0.0:
-                    why = f'found the factor {least:g} of the preload "{case}"; it must not be negative.'
-                    yield ("combination", index, *combination.cases[case]), why
+        for case in self.preload_cases:
+            for factor, place in self.factors_of(case):
+                if factor < 0.0:
+                    yield place, f'found the factor {factor:g} of the preload "{case}"; it must not be negative.'
 
     def _name_complaints(self) -> Iterator[Complaint]:
         """Yield a problem for generated names that occur twice, and for unknown names in ``output.fields``."""
         if any(combination.generate for combination in self.combination):
-            positions = self.positions
             taken: dict[str, int] = {}
-            for index, combination in enumerate(self.combination):
-                for name in Combinations(tuple(products(combination, positions))).names():
+            for index, expanded in enumerate(self.expanded):
+                for name in Combinations(expanded).names():
                     if name in taken:
                         other = f"combination[{taken[name] + 1}]"
                         yield (

@@ -11,7 +11,7 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
 from signorini.formats.xlsx import Cell, Sheet
 from signorini.model import Units
-from signorini.results.quantities import BY_LIST, SIDES, Path, quantity_at
+from signorini.results.quantities import BY_LIST, SIDES, Path, Quantity, quantity_at
 
 _LISTS = {
     "Reactions": (("supports", "contacts"), ("points", "nodes")),
@@ -24,7 +24,7 @@ _LISTS = {
     "Checks": (("checks",), ()),
     "Punching": (("punching",), ()),
 }
-"""Lists of each combination in results.json, and lists within their entries, that a sheet shows."""
+"""Lists of results.json and of its combinations, and lists within their entries, that a sheet shows."""
 _LENGTHS = ("s", "length", "width", "distance")
 _WIDTH = "± "
 """Begin of the title of half-widths."""
@@ -33,11 +33,12 @@ _FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance
 
 def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
     """Yield the sheets that have rows; ``values`` are those of results.json."""
-    units = Units(**values["units"])
+    units, first = Units(**values["units"]), next(iter(results.full.values()), None)
+    exact = {} if first is None else {one.path: one.quantity for one in first.catalogue}
     yield Sheet("Summary", ("what", "value", "largest error of the certificate"), list(_summary(values)))
     yield _combinations(results, units)
     for name, (owners, parts) in _LISTS.items():
-        rows = list(_rows(values, owners, parts, units))
+        rows = list(_rows(values, owners, parts, exact, units))
         if rows:
             yield _table(name, rows)
     for name, rows in (("Governing", list(_governing(values, units))), ("Envelope", list(_envelopes(values, units)))):
@@ -72,7 +73,8 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
 def _combinations(results: Results, units: Units) -> Sheet:
     """Factors of every combination; total reactions as well, if the table of all combinations is stored."""
     combinations, stored = results.model.effective_combinations, results.combined.rows or {}
-    cases = [case for case in results.discretisation.cases if case in combinations.cases]
+    acting = combinations.cases
+    cases = [case for case in results.discretisation.cases if case in acting]
     reactions = [column for column in stored if column.startswith("reaction:")]
     numbers = [np.asarray(stored[column]).tolist() for column in reactions]
 
@@ -90,35 +92,35 @@ def _finite(value: float) -> float | None:
 
 
 def _rows(
-    values: Mapping[str, Any], owners: Sequence[str], parts: Sequence[str], units: Units
+    values: Mapping[str, Any], owners: Sequence[str], parts: Sequence[str], exact: Mapping[Path, Quantity], units: Units
 ) -> Iterator[dict[str, Cell]]:
-    """Yield a row for each entry of the lists of every combination, or for each entry of the lists within these."""
-    for combination in (*values["combinations"], {**values, "name": None, "plus_minus": None}):
-        for owner in owners:
-            for index, entry in enumerate(combination.get(owner, ())):
-                of_all = (combination["plus_minus"] or {}).get(owner)
-                widths = of_all[index] if of_all else None
-                head: dict[str, Cell] = {} if combination["name"] is None else {"combination": combination["name"]}
-                if not parts:
-                    yield head | _cells(entry, widths, owner, units)
-                for part in parts:
-                    for number, each in enumerate(entry.get(part, ())):
-                        of = (widths or {}).get(part)
-                        name = {"name": entry["name"], "number": number + 1}
-                        yield head | name | _cells(each, of and of[number], part, units)
+    """Yield a row for each entry of the lists of results.json, or for each entry of the lists within these."""
+    for combination in ({**values, "name": None, "plus_minus": None}, *values["combinations"]):
+        head: dict[str, Cell] = {"combination": combination["name"]}
+        for owner, index, entry in ((of, *pair) for of in owners for pair in enumerate(combination.get(of, ()))):
+            of_all = (combination["plus_minus"] or {}).get(owner)
+            widths = of_all[index] if of_all else {}
+            if not parts:
+                yield head | _cells(entry, widths, owner, (owner, index), exact, units)
+            for part, number, each in ((of, *pair) for of in parts for pair in enumerate(entry.get(of, ()))):
+                named, inner = {"name": entry["name"], "number": number + 1}, widths.get(part)
+                path = (owner, index, part, number)
+                yield head | named | _cells(each, inner and inner[number], part, path, exact, units)
 
 
-def _cells(entry: Mapping[str, Any], widths: Any, owner: str, units: Units) -> dict[str, Cell]:
+def _cells(
+    entry: Mapping[str, Any], widths: Any, owner: str, place: Path, exact: Mapping[Path, Quantity], units: Units
+) -> dict[str, Cell]:
     """Cells of an entry by title: numbers with their half-widths, and texts; lists of tables are left out."""
-    exact, cells = {one.path: one for one in BY_LIST.get(owner, ())}, dict[str, Cell]()
+    listed, cells = {one.path: one for one in BY_LIST.get(owner, ())}, dict[str, Cell]()
     for path, value, width in _leaves(entry, widths):
         keys = [str(key) for key in path]
-        if (quantity := exact.get(path)) is not None:
+        if (quantity := exact.get((*place, *path)) or listed.get(path)) is not None:
             cells[title := quantity.label(units)] = value
             if width is not None and quantity.kind != "count":
                 cells[_WIDTH + title] = width
             continue
-        if keys[0].endswith("at") or keys[0] in ("from", "to"):
+        if len(path) == 2 and (keys[0].endswith("at") or keys[0] in ("from", "to", "place")):
             keys = [*keys[0].replace("_at", "").removesuffix("at").split("_"), "xy"[int(keys[1])]]
         length = keys[-1] in ("x", "y", *_LENGTHS)
         cells[" ".join(filter(None, keys)).replace("_", " ") + in_unit(units.length) * length] = value

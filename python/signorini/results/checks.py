@@ -29,11 +29,6 @@ class CheckedNumbers:
     value: int | None
     utilisation: int
 
-    @property
-    def targets(self) -> list[int]:
-        """Indices of the value, if the catalogue has it, and of the utilisation."""
-        return [place for place in (self.value, self.utilisation) if place is not None]
-
     def governing(self, values: Floats) -> tuple[Ints, Floats]:
         """Index (k,) in ``measured`` of the number with the largest utilisation, and the utilisation; NaN if absent."""
         used = values[:, self.measured] / self.check.limit_of(values[:, self.measured])
@@ -77,18 +72,19 @@ def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combi
             result[:, one.value] = np.take_along_axis(values[:, one.measured], which[:, None], axis=1)[:, 0]
         if combinations is not None:
             others = [row for row, combination in enumerate(combinations) if not one.check.applies_to(combination)]
-            result[np.ix_(others, one.targets)] = np.nan
+            result[np.ix_(others, [one.utilisation, one.utilisation if one.value is None else one.value])] = np.nan
     return result
 
 
 def overturned(
-    discretisation: Discretisation, catalogue: Catalogue, values: Floats, combinations: Sequence[Combination]
+    discretisation: Discretisation, catalogue: Catalogue, values: Floats, loads: Sequence[Combination | str]
 ) -> Floats:
-    """Numbers (k, n) with the values 1/λ of overturning checks."""
-    result = values.copy()
+    """Numbers (k, n) with the values 1/λ of overturning checks; a load that is only named has none."""
+    result, rows = values.copy(), [row for row, load in enumerate(loads) if not isinstance(load, str)]
+    combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
         if one.check.of == OVERTURNING:
-            result[:, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
     return result
 
 

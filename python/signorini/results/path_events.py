@@ -271,9 +271,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
                 f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = -203e3".', place="when"
             )
         quantity = re.sub(r"\s*([\[\].])\s*", r"\1", name.strip())
-        # A column by itself stands for its utilisation.
-        quantity = whole if (whole := f"{quantity}.utilisation") in known else quantity
-        # A check by itself stands for its utilisation.
+        # A column or a check by itself stands for its utilisation.
         quantity = whole if (whole := f"{quantity}.utilisation") in known else quantity
         if quantity not in known:
             raise InputError(unknown("quantity", quantity, known), place="when")

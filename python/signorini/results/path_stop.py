@@ -194,7 +194,7 @@ def _numbers(
     imbalance: Floats | None,
 ) -> Floats:
     """Numbers (k, n) of the catalogue in k answers to k loads."""
-    each = []
+    each, fields = [], path_fields(discretisation.model)
     stressed = any(one.home in ("probe", *EXTREMES) and one.quantity.singular in PEAKS for one in catalogue)
     for at, plate in enumerate(discretisation.members):
         own = plate.own
@@ -207,25 +207,19 @@ def _numbers(
             for row, (load, answer) in enumerate(zip(own_loads, own_answers, strict=True))
         ]
         beneath = [plate.deflections_beneath((answer.hi + answer.lo)[::3]) for answer in answers]
-        at_nodes: list[Floats | None] = [None] * len(answers)
-        if stressed:
-            at_nodes = [_fields(own, *pair) for pair in zip(own_loads, own_answers, strict=True)]
+        pairs = zip(own_loads, own_answers, strict=True)
+        at_nodes = [_fields(own, *pair) if stressed else None for pair in pairs]
         readings = Readings.of(own, own_loads, own_answers, forces, at_nodes, beneath)
-        told = catalogue_of(own, path_fields(discretisation.model), "paths") if discretisation.plates else catalogue
-        numbers, deflection = readings.numbers(told), readings.deflections(slice(None))
-        ends = {"max": deflection.max(axis=1), "min": deflection.min(axis=1)}
-        peaks = [place for place, one in enumerate(told) if one.home in EXTREMES]
-        for place in peaks:
-            one = told.numbers[place]
-            if one.quantity.name == "deflection":
-                numbers[:, place] = ends[one.what]
-        for row, (load, values) in enumerate(zip(own_loads, at_nodes, strict=True)):
+        told = catalogue_of(own, fields, "paths") if discretisation.plates else catalogue
+        numbers, deflections = readings.numbers(told), readings.deflections(slice(None))
+        for row, (load, values, deflection) in enumerate(zip(own_loads, at_nodes, deflections, strict=True)):
+            ends = {"deflection": {"max": deflection.max(), "min": deflection.min()}}
             if values is not None:
-                found = extremes_under(own, load.acting, values, path_fields(discretisation.model)[1:])
-                for place in peaks:
-                    one = told.numbers[place]
-                    if one.quantity.name in found:
-                        numbers[row, place] = getattr(found[one.quantity.name], one.what)
+                found = extremes_under(own, load.acting, values, fields[1:])
+                ends |= {name: vars(one) for name, one in found.items()}
+            for place, one in enumerate(told):
+                if one.home in EXTREMES:
+                    numbers[row, place] = ends[one.quantity.name][one.what]
         each.append(numbers)
     return completed(catalogue, catalogue.of_members(each))
 

@@ -395,7 +395,7 @@ _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
-        *("max_per_length", "min_per_length", "kern", "v_ed", "utilisation"),
+        *("max_per_length", "min_per_length", "v_ed", "kern", "utilisation"),
     )
 )
 """Names of quantities that are not linear in the load, even while the contact state does not change."""
@@ -507,10 +507,13 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
     """A number of a check; raise `InputError` if no number is checked."""
     kinds = [one.quantity.kind for one in numbers if measures(check, one)]
     if not kinds and check.of != OVERTURNING:
-        known = dict.fromkeys(one.subject if one.home in EXTREMES else one.name for one in numbers)
+        others = (one for one in numbers if one.home != "check")
+        known = dict.fromkeys(one.subject if one.home in EXTREMES else one.name for one in others)
         raise InputError(unknown("field or number", check.of, [*known, OVERTURNING]), place=("check", index, "of"))
     if quantity.name == "value" and kinds:
         quantity = replace(quantity, kind=kinds[0])
+    elif not kinds:
+        quantity = replace(quantity, along_paths=False)
     path = ("checks", index, quantity.name)
     return Number(quantity, "check", index, path, check.name, 0, True, False, check)
 
@@ -668,9 +671,4 @@ class Catalogue:
     def along_paths(self) -> Catalogue:
         """Catalogue of the numbers that load paths list at every stop, and of those that checks need."""
         checks = [one.check for one in self.numbers if one.check is not None]
-        statics = [one for one in self.numbers if one.check is not None and one.check.of == OVERTURNING]
-        return self.only(
-            lambda one: (
-                one not in statics and (one.quantity.along_paths or any(measures(check, one) for check in checks))
-            )
-        )
+        return self.only(lambda one: one.quantity.along_paths or any(measures(check, one) for check in checks))

@@ -470,6 +470,15 @@ class SupportReading:
             for above, answer, closed, reactions in columns
         )
 
+    @property
+    def applied(self) -> tuple[Floats, Floats]:
+        """Upward forces (k, q) of held nodes, springs and contact points, and their positions (q, 2)."""
+        points, found = self.points, self.of.discretisation
+        places = [found.mesh.points[points.nodes], found.springs.positions[points.springs]]
+        positions = np.concatenate([*places, found.points.positions[points.rows[0]]])
+        each = replace(points, shares=None, order=np.arange(len(positions)))
+        return each.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared), positions
+
     def pressing(self, column: int) -> Floats:
         """Upward forces (k, r) of the area inside the control perimeters of a column."""
         points, rows, sums, means, stiff = points_inside(self.of.discretisation, column, self.index)
@@ -482,15 +491,6 @@ class SupportReading:
                 pressure = np.where(stiff, pressure, np.nan_to_num(np.clip(exerted, *self.at_rest.bounds)))
             result.append((sums @ pressure.T).T)
         return np.concatenate(result)
-
-    @property
-    def applied(self) -> tuple[Floats, Floats]:
-        """Upward forces (k, q) of held nodes, springs and contact points, and their positions (q, 2)."""
-        points, found = self.points, self.of.discretisation
-        places = [found.mesh.points[points.nodes], found.springs.positions[points.springs]]
-        positions = np.concatenate([*places, found.points.positions[points.rows[0]]])
-        each = replace(points, shares=None, order=np.arange(len(positions)))
-        return each.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared), positions
 
     @cached_property
     def eccentricity(self) -> Floats:

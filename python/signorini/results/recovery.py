@@ -22,7 +22,7 @@ from signorini.results.extremes import Means
 from signorini.results.local_results import ProbeResult, probe_results, section_results
 from signorini.results.of_plates import said_of
 from signorini.results.punching import ColumnResult, column_results
-from signorini.results.quantities import TOLD, Catalogue
+from signorini.results.quantities import TOLD
 from signorini.results.readings import Readings, SupportForces
 from signorini.results.result import Result
 from signorini.results.support_result import support_result
@@ -92,7 +92,7 @@ def recovered(
         singular=singularities(discretisation, load.acting),
         thickness=thickness,
         catalogue=catalogue,
-        _read=_overturned(discretisation, catalogue, readings.numbers(catalogue), load_of),
+        _read=overturned(discretisation, catalogue, readings.numbers(catalogue), [load_of])[0],
         combination=None if isinstance(load_of, str) else load_of,
         means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
         punching=Listed(column_results(discretisation, readings.punching), "punching"),
@@ -153,18 +153,9 @@ def _of_plates(
         singular=singularities(discretisation, load.acting),
         thickness=discretisation.node_thickness,
         catalogue=catalogue,
-        _read=_overturned(discretisation, catalogue, np.full((1, len(catalogue)), np.nan), load_of),
+        _read=overturned(discretisation, catalogue, np.full((1, len(catalogue)), np.nan), [load_of])[0],
         plates=plates,
     )
-
-
-def _overturned(
-    discretisation: Discretisation, catalogue: Catalogue, numbers: Floats, load_of: Combination | str
-) -> Floats:
-    """Numbers (n,) with those of overturning, if the load is a combination; ``numbers`` are (1, n)."""
-    if isinstance(load_of, Combination):
-        numbers = overturned(discretisation, catalogue, numbers, [load_of])
-    return np.ravel(numbers)
 
 
 def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:

@@ -103,7 +103,7 @@ def idle_cases(model: Model) -> Iterator[str]:
     This is not checked for load paths, whose loads are named by the caller.
     """
     taken = model.effective_combinations.cases
-    for case in model.cases:
+    for case in model.load_cases:
         if case not in taken:
             yield f'The load case "{case}" acts in no combination. Is its name the one that is meant?'
     for case, positions in model.positions.items():

@@ -384,7 +384,7 @@ def _loads(model: Model, combinations: Sequence[Combination]) -> Iterator[tuple[
     A value is NaN in a combination that has the moving load at two positions.
     """
     travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
-    factor = {case: np.zeros(len(combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
+    factor = {case: np.zeros(len(combinations)) for case in (*model.load_cases, *(m.case for m in model.moving))}
     position = {load.case: np.full(len(combinations), np.nan) for load in model.moving}
     for row, combination in enumerate(combinations):
         standing: set[str] = set()

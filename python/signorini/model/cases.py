@@ -1,0 +1,194 @@
+"""Load cases as actions of a design code: the tables [cases.NAME], and the actions that they describe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, islice, product
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, create_model
+
+from signorini.design import asce7, en1990
+from signorini.design.combining import Action
+from signorini.errors import unknown
+from signorini.model.base import Complaint, NonNegative, Table, Text, as_tuple, vector
+
+MOST_GENERATED = 100_000
+"""Largest number of combinations that one table generates by a code."""
+
+Code = Literal["en1990", "asce7"]
+RuleName = Literal[
+    "6.10", "6.10ab", "EQU", "accidental", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
+]
+RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
+"""Names of the rules of each code."""
+_KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
+"""Key of a case with its role in a code."""
+
+_Psi = Annotated[float, Field(ge=0, le=1)]
+
+
+Gammas = Annotated[
+    tuple[NonNegative, ...],
+    Field(min_length=1, max_length=2),
+    BeforeValidator(as_tuple),
+    PlainSerializer(lambda values: values[0] if len(values) == 1 else values),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number", "minimum": 0},
+                {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 2},
+            ]
+        }
+    ),
+]
+
+
+class Gamma(Table):
+    """Partial factors γ: [unfavourable, favourable], or one value that always holds."""
+
+    permanent: Gammas | None = Field(default=None, description="γG of permanent cases: [unfavourable, favourable].")
+    variable: Gammas | None = Field(default=None, description="γQ of variable cases; 0: the case may be absent.")
+    preload: Gammas | None = Field(default=None, description="γP of preloads.")
+    accidental: Gammas | None = Field(default=None, description="γA of accidental cases.")
+
+    @property
+    def values(self) -> dict[str, tuple[float, ...]]:
+        """The given factors by kind."""
+        return {key: getattr(self, key) for key in self.present(type(self).model_fields)}
+
+
+_WITH = Field(default=None, description="Another case, whose factor this case has in every combination.")
+_FIELDS: dict[str, Any] = {"with": (Text | None, _WITH)}
+# No class body can declare `with`, which is a keyword of Python.
+_Following = create_model("_Following", __base__=Table, **_FIELDS)
+
+
+class Case(_Following):
+    """A load case as an action of a design code, for combinations with ``generate = "en1990"`` or ``"asce7"``."""
+
+    kind: Literal["permanent", "variable", "accidental", "preload"] | None = Field(
+        default=None, description="Kind of action, for en1990."
+    )
+    category: Literal["A", "B", "C", "D", "E", "F", "G", "H", "snow low", "snow high", "wind", "temperature"] | None = (
+        Field(default=None, description="Category of a variable case in EN 1990, Table A1.1, which gives psi.")
+    )
+    psi: Annotated[tuple[_Psi, _Psi, _Psi], *vector(3, "three numbers [ψ0, ψ1, ψ2]")] | None = Field(
+        default=None, description="Factors [ψ0, ψ1, ψ2] of a variable case, in place of category."
+    )
+    asce: Literal["D", "L", "Lr", "S", "R", "W", "E", "Ev", "P"] | None = Field(
+        default=None,
+        description="Symbol of the load, for asce7; E is the horizontal and Ev the vertical seismic effect, P a "
+        "preload with factor 1.",
+    )
+    group: Text | None = Field(
+        default=None, description="Name of a group, of which one action acts at a time, such as directions of wind."
+    )
+    action: Text | None = Field(
+        default=None,
+        description="Name of the action of which this case is a part, such as the live load on one span. Parts lead "
+        "or accompany together; each of them may be absent.",
+    )
+
+    @property
+    def follows(self) -> str | None:
+        """Name of the case whose factor this case has."""
+        name: str | None = getattr(self, "with")
+        return name
+
+    @property
+    def representative(self) -> tuple[float, float, float, float]:
+        """Representative values (1, ψ0, ψ1, ψ2) of the case, relative to its characteristic value."""
+        return 1.0, *(self.psi or (en1990.PSI[self.category] if self.category else (1.0, 1.0, 1.0)))
+
+    def _complaints(self) -> Iterator[Complaint]:
+        own = self.present(("category", "psi"))
+        if self.follows is not None:
+            for key in (*own, *self.present(("group", "action"))):
+                yield (key,), f'{key} is not allowed with with = "{self.follows}", which has the key for both.'
+        elif self.kind is None and self.asce is None:
+            yield ("kind",), "'kind' is missing. It must be one of permanent, variable, accidental, preload."
+        elif self.kind == "variable" and len(own) != 1:
+            yield (), f"found {' and '.join(own) or 'neither category nor psi'}; a variable case needs one of the two."
+        elif self.kind != "variable":
+            for key in own:
+                yield (key,), f"{key} is for variable cases; this one is {self.kind or 'without kind'}."
+        if self.action is not None and self.kind in ("permanent", "preload"):
+            yield ("action",), "action is for cases that may be absent; this one acts always."
+
+
+Cases = Mapping[str, Case]
+Positions = Mapping[str, Sequence[str]]
+"""Map from each moving load's case to the load cases of its positions."""
+
+
+def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> Iterator[Complaint]:
+    """Yield the problems of [cases] with the ``known`` load cases, with moving loads, and among each other."""
+    first: dict[tuple[str, str], Case] = {}
+    for name, case in cases.items():
+        if name not in known:
+            yield ("cases", name), unknown("case", name, known)
+        if case.follows is not None:
+            others = [other for other in cases if cases[other].follows is None]
+            if case.follows not in others:
+                yield ("cases", name, "with"), unknown("case", case.follows, others, "The [cases] without with")
+            elif name in positions:
+                yield ("cases", name, "with"), "a moving load follows no other case; let the other case follow it."
+            elif case.kind not in (None, cases[case.follows].kind):
+                yield ("cases", name, "kind"), f'found {case.kind}; "{case.follows}" is {cases[case.follows].kind}.'
+        for key in case.present(("group", "action")):
+            other = first.setdefault((key, getattr(case, key)), case)
+            same = ("kind", "asce") if key == "group" else ("kind", "asce", "group")
+            for which in same:
+                if getattr(other, which) != getattr(case, which):
+                    found = f"found {getattr(case, which)} and {getattr(other, which)}"
+                    yield ("cases", name, key), f"{found}; the cases of one {key} must have the same {which}."
+
+
+def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
+    """Message that names the load cases without a role in a code; empty if each has one."""
+    key = _KEY_OF[code]
+    without = [
+        case for case in known if case not in cases or (cases[case].follows is None and not getattr(cases[case], key))
+    ]
+    if not without:
+        return ""
+    names = ", ".join(f'"{case}"' for case in without)
+    example = 'kind = "permanent"' if code == "en1990" else 'asce = "D"'
+    return (
+        f'generate = "{code}" needs the {key} of every load case; it is missing for {names}. '
+        f"Write [cases.{without[0]}] with {example}, for instance."
+    )
+
+
+def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, ...]:
+    """Return the actions of a code. Every position of a moving load is an alternative of its action."""
+    followers: dict[str, list[str]] = {}
+    for name, case in cases.items():
+        if case.follows is not None:
+            followers.setdefault(case.follows, []).append(name)
+    exclusive: dict[tuple[str, str], dict[tuple[str, str], list[str]]] = {}
+    for name, case in cases.items():
+        if case.follows is None:
+            part = ("action", case.action) if case.action else ("case", name)
+            together = ("group", case.group) if case.group else part
+            if code == "en1990" and case.kind == "accidental":
+                together = ("kind", case.kind)  # One accidental action acts at a time (6.11b).
+            exclusive.setdefault(together, {}).setdefault(part, []).append(name)
+
+    def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:
+        """Yield the load cases that act together: at least one of the parts of an action, each at one position."""
+        choices: list[list[dict[str, tuple[float, ...]]]] = []
+        for name in names:
+            values, own = cases[name].representative, positions.get(name, (name,))
+            choices.append([{case: values for case in (at, *followers.get(name, ()))} for at in own])
+        for chosen in product(*([*of_part, {}] for of_part in choices)):
+            if any(chosen):
+                yield dict(chain.from_iterable(part.items() for part in chosen))
+
+    result = []
+    for parts in exclusive.values():
+        role = getattr(cases[next(iter(parts.values()))[0]], _KEY_OF[code])
+        every = chain.from_iterable(alternatives(names) for names in parts.values())
+        result.append(Action(role, tuple(islice(every, MOST_GENERATED + 1))))
+    return tuple(result)
