@@ -50,7 +50,7 @@ _MAX_EXPLAINED = 1000
 
 LISTS = (
     *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
-    "check",
+    *("punching", "check"),
 )
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
