@@ -31,8 +31,6 @@ from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.cases import MOST_GENERATED, Case, Positions, actions_of, complaints_of, missing_in
 from signorini.model.check import Check
-from signorini.model.check import Check
-from signorini.model.check import Check
 from signorini.model.combination import Choice, Combination, Combinations, Expanded, FrozenMapping, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
