@@ -34,14 +34,14 @@ from signorini.singularities.singularity import Singularity
 # fmt: off
 __all__ = [
     "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
-    "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
-    "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
+    "Combination", "Contact", "ContactProblem", "Cover", "DiscPlate", "EdgeCouples", "Estimate", "Estimates",
+    "ExactPath", "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
     "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
     "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
-    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
-    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
-    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
-    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
-    "tightened", "validate", "with_rows", "write",
+    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Reinforcement",
+    "Result", "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver",
+    "StationResult", "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening",
+    "Units", "Zone", "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover",
+    "schema", "solve", "tightened", "validate", "with_rows", "write",
 ]
 # fmt: on

@@ -21,6 +21,7 @@ from signorini.model.plate import (
     RectanglePlate,
     Refinement,
 )
+from signorini.model.reinforcement import Cover, Reinforcement
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -28,8 +29,9 @@ from signorini.model.whole import Model, Solver, Units, validate
 # fmt: off
 __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Circle", "Combination", "Combinations", "Contact",
-    "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate", "Model",
-    "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile", "RectanglePlate",
-    "Refinement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone", "validate",
+    "Cover", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
+    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
+    "RectanglePlate", "Refinement", "Reinforcement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
+    "Units", "Zone", "validate",
 ]
 # fmt: on

@@ -23,6 +23,7 @@ from pydantic_core import PydanticCustomError
 
 from signorini.base.arguments import checked
 from signorini.base.provenance import Provenance
+from signorini.design.en1992_bending import Bars
 from signorini.errors import InputError, Place, unknown
 from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
@@ -33,6 +34,7 @@ from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, S
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
+from signorini.model.reinforcement import Reinforcement
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
@@ -180,6 +182,9 @@ class Model(Table):
     )
     profile: Annotated[tuple[Profile, ...], AfterValidator(_named)] = Field(
         default=(), description="Lines and circles along which fields and the pressure are reported."
+    )
+    reinforcement: Reinforcement | None = Field(
+        default=None, description="Code, strengths and positions of bars, for the required reinforcement."
     )
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
@@ -343,6 +348,12 @@ class Model(Table):
         slots = tuple(tuple(Choice(name, name, 1.0) for name in names) for names in positions.values())
         return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), slots),))
 
+    @cached_property
+    def bars(self) -> Bars | None:
+        """Section of reinforced concrete, which the required reinforcement needs; None without [reinforcement]."""
+        units, own = self.units, self.reinforcement
+        return None if own is None else own.section(units.length, units.force)
+
     @property
     def tabulated(self) -> bool:
         """Whether combinations are rows of a table, so that only some have full results."""
@@ -364,6 +375,16 @@ class Model(Table):
         yield from self._moving_complaints()
         yield from self._combination_complaints()
         yield from self._preload_complaints()
+        yield from self._reinforcement_complaints()
+
+    def _reinforcement_complaints(self) -> Iterator[Complaint]:
+        if self.reinforcement is not None:
+            found = self.reinforcement.complaints_in(self.units.length, self.units.force)
+            yield from ((("reinforcement", *place), message) for place, message in found)
+            return
+        for position, name in enumerate(self.output.envelope):
+            if name.startswith("as_"):
+                yield ("output", "envelope", position), f'"{name}" needs [reinforcement].'
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""

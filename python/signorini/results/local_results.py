@@ -9,13 +9,16 @@ from typing import Any, TypedDict
 import numpy as np
 
 from signorini.base.on_demand import Listed
+from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location, Mesh
 from signorini.model.output import Profile
 from signorini.results.contact_field.area_contact import AreaContact, without_shared_borders
-from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
+from signorini.results.quantities import PRESSURE, derived
+
+_FACES = ("top", "bottom")
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,8 @@ class ProbeResult:
     thickness : float
         Thickness of a solid plate; at a jump, of the thinner side. NaN if the input gives a stiffness in place of a
         solid section.
+    bars : Bars or None
+        Section of reinforced concrete; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -44,6 +49,7 @@ class ProbeResult:
     pressure: float | None
 
     thickness: float
+    bars: Bars | None = None
 
     @property
     def principal_moment(self) -> tuple[float, float, float]:
@@ -54,17 +60,34 @@ class ProbeResult:
         >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None, 1.0).principal_moment
         (4.0, 2.0, 45.0)
         """
-        m1, m2, angle = principal_moments(np.array(self.moment)).tolist()
+        m1, m2, angle = self._derived("m1", "m2", "m_angle")
         return m1, m2, angle
 
     @property
     def design_moment(self) -> dict[str, tuple[float, float]]:
         """Moments for which reinforcement along x and y is designed: "bottom" ≥ 0, "top" ≤ 0.
 
-        They follow from `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
+        They are those of R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*,
+        Concrete 2 (1968), and G. S. T. Armer, discussion of this paper.
         """
-        bottom_x, bottom_y, top_x, top_y = design_moments(np.array(self.moment)).tolist()
-        return {"bottom": (bottom_x, bottom_y), "top": (top_x, top_y)}
+        return self._at_faces("mx", "my")
+
+    @property
+    def reinforcement(self) -> dict[str, tuple[float, float]] | None:
+        """Required reinforcement along x and y at "bottom" and "top", area per length; None without [reinforcement].
+
+        It is infinite where the section cannot resist the design moment.
+        """
+        return self._at_faces("as_x", "as_y") if self.bars else None
+
+    def _at_faces(self, x: str, y: str) -> dict[str, tuple[float, float]]:
+        a, b, c, d = self._derived(*(f"{name}_{face}" for face in ("bottom", "top") for name in (x, y)))
+        return {"bottom": (a, b), "top": (c, d)}
+
+    def _derived(self, *names: str) -> list[float]:
+        moment, shear, thickness = np.array(self.moment), np.array(self.shear), np.array(self.thickness)
+        values: list[float] = derived(names, moment, shear, thickness, self.bars).tolist()
+        return values
 
     @property
     def stress(self) -> dict[str, tuple[float, ...]]:
@@ -77,22 +100,21 @@ class ProbeResult:
         >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 0.0, 0.0), (0, 4.0), None, 2.0).stress["bottom"]
         (4.5, 0.0, 0.0)
         """
-        thickness = np.array(self.thickness)
-        values = face_stresses(np.array(self.moment), thickness).tolist()
-        shear = shear_stresses(np.array(self.shear), thickness).tolist()
-        return {
-            "top": tuple(values[:3]),
-            "bottom": tuple(values[3:6]),
-            "von_mises": tuple(values[6:]),
-            "shear": tuple(shear),
-        }
+        at = {face: tuple(self._derived(*(f"{name}_{face}" for name in ("sx", "sy", "txy")))) for face in _FACES}
+        mises, shear = self._derived("von_mises", "von_mises_bottom"), self._derived("txz", "tyz")
+        return at | {"von_mises": tuple(mises), "shear": tuple(shear)}
 
 
-def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,)."""
+def probe_results(
+    positions: Floats, fields: Floats, pressures: Floats, thickness: Floats, bars: Bars | None
+) -> tuple[ProbeResult, ...]:
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,).
+
+    ``bars`` are `Model.bars`.
+    """
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
     return tuple(
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
+        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h, bars)
         for (x, y), v, p, h in zip(*columns, strict=True)
     )
 

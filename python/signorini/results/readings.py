@@ -292,8 +292,8 @@ class Readings:
             return self.pressures
         if what in LINEAR:
             return self.probes[..., list(LINEAR).index(what)]
-        moment, shear = self.probes[..., 3:6], self.probes[..., 6:]
-        return derived([what], moment, shear, self.discretisation.probe_thickness)[..., 0]
+        moment, shear, found = self.probes[..., 3:6], self.probes[..., 6:], self.discretisation
+        return derived([what], moment, shear, found.probe_thickness, found.model.bars)[..., 0]
 
     @property
     def _through(self) -> Floats:

@@ -18,7 +18,17 @@ from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
-from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, SIDES, Catalogue, derived
+from signorini.results.quantities import (
+    FIELDS,
+    LINEAR,
+    MEAN_SIDES,
+    PEAKING,
+    SIDES,
+    Catalogue,
+    derived,
+    in_model,
+    with_extremes,
+)
 from signorini.results.support_result import SupportResult, areas_below
 from signorini.singularities.singularity import Singularity, at_peaks
 
@@ -134,9 +144,10 @@ class ResultState(Remade):
 
         deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at stress nodes (s,): mx,
         my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top, von_mises
-        and txz.
+        and txz; with [reinforcement] the required areas such as as_x_bottom.
         """
-        return OnDemand(FIELDS, self._field, None, "field", "This result")
+        names = [one.name for one in in_model(self.model, FIELDS.values())]
+        return OnDemand(names, self._field, None, "field", "This result")
 
     def _field(self, name: str) -> Floats:
         field: Floats
@@ -144,7 +155,7 @@ class ResultState(Remade):
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
         else:
-            field = derived([name], self.moment, self.shear, self.thickness)[:, 0]
+            field = derived([name], self.moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
 
@@ -195,7 +206,7 @@ class ResultState(Remade):
         if self.plates:
             found = of_plates([one.extremes for one in self.plates.values()])
         else:
-            found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
+            found = extremes(with_extremes(self.model), self.fields, self.stress_nodes, self.singular, self.means)
         return Named(found, "field", "This mapping of extremes")
 
     def excluding(self, number: str) -> list[Singularity]:
@@ -220,7 +231,7 @@ class ResultState(Remade):
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
         for side in MEAN_SIDES:
-            result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
+            result[at("mean", side)] = [getattr(ends, side) for name, ends in self.extremes.items() if name in PEAKING]
         return result
 
     def require_fields(self) -> None:
