@@ -13,7 +13,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.laws import constant_stiffness
 from signorini.model.problems import describe
 
-_NEWTONS = NEWTONS | {"daN": 10.0, "kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
+_NEWTONS = {"N": 1.0, "daN": 10.0} | NEWTONS | {"kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
 _NEWTONS |= {"lb": NEWTONS["lbf"], "kips": NEWTONS["kip"]}
 _LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "dm", "kilometre": "km"}
 _LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
