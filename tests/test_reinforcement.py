@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from models import tables
 
-from signorini import InputError, Model, estimate, solve, write
+from signorini import InputError, Model, Output, estimate, solve, write
 from signorini.design import en1992_bending as en1992
 from signorini.output import results_json
 from signorini.results.quantities import DESIGN_MOMENTS, FIELDS, REINFORCEMENT, derived
@@ -214,3 +214,59 @@ def test_envelopes_of_every_field_are_the_largest_over_the_combinations(soil: bo
         assert table.envelope.field(name).min == pytest.approx(min(end.min for end in ends), abs=size), name
     found = results_json(table)["envelope"]["fields"]
     assert set(found) >= set(asked)
+
+
+def test_strips_have_the_design_moments_and_areas_of_their_means() -> None:
+    strips = [
+        {"name": "x", "line": [[0, 1.3], [4, 1.3]], "width": 1, "stations": 3},
+        {"name": "y", "line": [[1.3, 0], [1.3, 4]], "width": 1, "stations": 3},
+        {"name": "skew", "line": [[1, 1], [3, 3]], "width": 1, "stations": 3},
+    ]
+    load = [{"case": "G", "pressure": 8}, {"case": "Q", "force": 40, "at": [1, 3]}]
+    factors = [{"name": "a", "factors": {"G": 1}}, {"name": "b", "factors": {"G": 1.35, "Q": -1.5}}]
+    changes: Any = {"strip": strips, "load": load, "combination": factors}
+    results = solve(slab(**changes))
+    table = solve(slab(**changes, output={"combinations": "table"}))
+    for one in results.values():
+        for strip, depth in zip(one.strips, (*DEPTH, math.nan), strict=True):
+            for number, at in enumerate(strip.stations, 1):
+                bottom, top = max(at.moment + abs(at.twist), 0.0), min(at.moment - abs(at.twist), 0.0)
+                assert at.design_moment == pytest.approx({"bottom": bottom, "top": top}, abs=1e-9)
+                assert at.reinforcement is not None
+                if strip.name == "skew":
+                    assert np.isnan(list(at.reinforcement.values())).all()
+                    continue
+                wanted = {"bottom": closed_form(bottom, depth), "top": closed_form(-top, depth)}
+                noise = {face: 0.0 if abs(m) < 1e-6 else wanted[face] for face, m in (("bottom", bottom), ("top", top))}
+                assert at.reinforcement == pytest.approx(noise)
+                row = list(results).index(one.name)
+                for face in ("bottom", "top"):
+                    column = f"strip[{strip.name}][{number}]:as_{face}"
+                    assert table.table[column][row] == pytest.approx(at.reinforcement[face], rel=1e-8, abs=1e-12)
+    found = results_json(table)["envelope"]["strips"][0]["stations"][1]["as"]["bottom"]
+    assert found["max"] == max(one.strips[0].stations[1].reinforcement["bottom"] for one in results.values())
+
+
+def test_bars_at_columns_are_designed_for_the_means_there() -> None:
+    columns = {"name": "columns", "at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "down"}
+    load = [{"case": "G", "pressure": 20}, {"case": "Q", "force": 30, "at": [2, 2]}]
+    factors = [{"name": f"C{n}", "factors": {"G": 1 + n, "Q": 1.5 - n}} for n in range(3)]
+    changes: Any = {"support": [columns], "load": load, "combination": factors, "mesh": {"divisions": [16, 16]}}
+    face = slab(**changes, reinforcement=BARS | {"face": True})
+    with_face, without = solve(face), solve(slab(**changes))
+    one, other = with_face["C0"], without["C0"]
+    at = np.hypot(*(one.stress_nodes.points - [1, 1]).T) < 0.1
+    (mean,) = [place for place in one.means.by_place if place == (1.0, 1.0)]
+    means = one.means.by_place[mean]
+    assert one.fields["mx"] == pytest.approx(other.fields["mx"], rel=1e-12, abs=1e-9)
+    assert one.fields["mx_top"][at] == pytest.approx(means["mx"], rel=0.05)  # a small twist is added
+    assert one.fields["mx_top"][at].min() > other.fields["mx_top"][at].min()
+    far = np.abs(one.stress_nodes.points - 2).max(axis=1) < 0.6
+    assert one.fields["mx_top"][far].tolist() == other.fields["mx_top"][far].tolist()
+    asked = [*DESIGN_MOMENTS, *REINFORCEMENT]
+    table = solve(face.model_copy(update={"output": Output(combinations="table", envelope=asked)}))
+    for name in asked:
+        every = np.array([result.fields[name] for result in with_face.values()])
+        size = 1e-7 * np.abs(every).max()
+        assert table.envelope.fields[name].largest == pytest.approx(every.max(axis=0), abs=size)
+        assert table.envelope.fields[name].smallest == pytest.approx(every.min(axis=0), abs=size)

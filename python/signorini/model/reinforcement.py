@@ -38,6 +38,11 @@ class Reinforcement(Table):
     d_bottom: Distances | None = Field(
         default=None, description="In place of cover and bar: distances [dx, dy] from the bottom to the axes."
     )
+    face: bool = Field(
+        default=False,
+        description="Whether design moments within the radius of a column, a singular point of a support, are those of "
+        "the mean moments there.",
+    )
     gamma_c: Positive = Field(default=en1992.GAMMA_C, description="Partial factor γC of concrete.")
     gamma_s: Positive = Field(default=en1992.GAMMA_S, description="Partial factor γS of the bars.")
     alpha_cc: Positive = Field(default=en1992.ALPHA_CC, description="Coefficient αcc of long-term effects.")

@@ -355,6 +355,11 @@ class Model(Table):
         return None if own is None else own.section(units.length, units.force)
 
     @property
+    def at_faces(self) -> bool:
+        """Whether bars at columns are designed for mean moments, see `Reinforcement.face`."""
+        return self.reinforcement is not None and self.reinforcement.face
+
+    @property
     def tabulated(self) -> bool:
         """Whether combinations are rows of a table, so that only some have full results."""
         option = self.output.combinations
@@ -381,6 +386,8 @@ class Model(Table):
         if self.reinforcement is not None:
             found = self.reinforcement.complaints_in(self.units.length, self.units.force)
             yield from ((("reinforcement", *place), message) for place, message in found)
+            if self.at_faces and self.plates:
+                yield ("reinforcement", "face"), "face is for one plate; remove it, and use the means at columns."
             return
         for position, name in enumerate(self.output.envelope):
             if name.startswith("as_"):

@@ -8,17 +8,19 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from signorini.base.on_demand import Listed
+from signorini.base.on_demand import Listed, kept
 from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.stressnodes import StressNodes
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.stressnodes import Sides, StressNodes
 from signorini.mesh import Location, Mesh
 from signorini.model.output import Profile
 from signorini.results.contact_field.area_contact import AreaContact, without_shared_borders
-from signorini.results.quantities import PRESSURE, derived
+from signorini.results.quantities import PRESSURE, along_strips, derived
 
 _FACES = ("top", "bottom")
+_ALONG = 1e-6
+"""Largest component across an axis of the unit tangent of a strip along this axis."""
 
 
 @dataclass(frozen=True)
@@ -242,6 +244,11 @@ class StationResult:
         Width of the strip on the plate at the station; holes are subtracted.
     moment, twist, shear : float
         Means per length of mnn, mns and qn; n is along the strip, s to its left.
+    design_moment : dict
+        Moments for which reinforcement along the strip is designed: "bottom" ≥ 0, "top" ≤ 0.
+    reinforcement : dict or None
+        Required reinforcement along the strip at "bottom" and "top", area per length, NaN for strips that are not along
+        x or y; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -249,6 +256,8 @@ class StationResult:
     moment: float
     twist: float
     shear: float
+    design_moment: dict[str, float]
+    reinforcement: dict[str, float] | None
 
 
 @dataclass(frozen=True)
@@ -291,13 +300,48 @@ class SectionsAndStrips(TypedDict):
     strips: Listed[StripResult]
 
 
+_ACROSS = 9
+"""Number of points across a strip at which its thickness is sought."""
+
+
+@kept
+def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
+    """Least thickness (c,) across the strips of one plate at their stations, and axis of the strip there.
+
+    The axis is 0 for x, 1 for y, −1 for other directions. The thickness is NaN where the section is given by its
+    stiffness.
+    """
+    nodes, strips = discretisation.stress_nodes, discretisation.model.strip
+    ends = np.array([ends for strip in strips for ends in strip.across]).reshape(-1, 2, 2)
+    part = np.linspace(0.01, 0.99, _ACROSS)[:, None]
+    points = (ends[:, :1] + part * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
+    point, where = nodes.mesh.holding(points)
+    thickness = np.full(len(ends), np.inf)
+    np.minimum.at(thickness, point // _ACROSS, nodes.at(Sides(point, where), discretisation.node_thickness))
+    tangent = np.abs(np.concatenate([np.zeros((0, 2)), *(strip.places[1] for strip in strips)]))
+    return thickness, np.where(tangent[:, 1] < _ALONG, 0, np.where(tangent[:, 0] < _ALONG, 1, -1))
+
+
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
     """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]
     strips = []
+    means, bars = through.reshape(-1, 3)[len(sections) :], discretisation.model.bars
+    faces = {
+        what: along_strips(what, means, *strip_sections(discretisation), bars).tolist()
+        for what in (f"{name}_{face}" for name in (("moment", "as") if bars else ("moment",)) for face in _FACES)
+    }
+    number = 0
     for strip in discretisation.model.strip:
-        at = strip.places[0].tolist()
-        strips.append(StripResult(strip.name, tuple(StationResult((x, y), *next(values)) for x, y in at)))
+        stations = []
+        for x, y in strip.places[0].tolist():
+            moment, required = (
+                {face: of[number] for face in _FACES if (of := faces.get(f"{name}_{face}"))}
+                for name in ("moment", "as")
+            )
+            stations.append(StationResult((x, y), *next(values), moment, required or None))
+            number += 1
+        strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

@@ -143,6 +143,7 @@ class Derived:
     formula: str | Callable[[Floats, Floats, Floats], Floats]
     quantities: tuple[Quantity, ...]
     inputs: tuple[str, ...] = ("mx", "my", "mxy")  # names of the fields that a formula of the core reads
+    of_bars: bool = False  # whether `Reinforcement.face` replaces moments at columns by means
 
     def values(self, moment: Floats, shear: Floats, thickness: Floats, bars: Bars | None) -> Floats:
         """Values (..., c); ``bars`` are `Model.bars`."""
@@ -188,6 +189,7 @@ DERIVED = (
             for face in ("bottom", "top")
             for place, axis in enumerate("xy")
         ),
+        of_bars=True,
     ),
     Derived(
         "face",
@@ -228,6 +230,7 @@ DERIVED = (
             for face in ("bottom", "top")
             for place, axis in enumerate("xy")
         ),
+        of_bars=True,
     ),
 )
 """Fields that are computed from moments, shears and thickness."""
@@ -242,6 +245,8 @@ FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
 """Every field at the nodes, by name."""
+OF_BARS = frozenset(one.name for of in DERIVED if of.of_bars for one in of.quantities)
+"""Names of the fields that are for the design of bars."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
 """Fields whose extremes exclude singular places, by name. Singular deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
@@ -257,7 +262,7 @@ AT_PROBES: tuple[Quantity, ...] = tuple(
 
 def in_model(model: Model, quantities: Iterable[Quantity]) -> tuple[Quantity, ...]:
     """Those of ``quantities`` that a model has; the required reinforcement needs [reinforcement]."""
-    return tuple(one for one in quantities if one.name not in REINFORCEMENT or model.bars)
+    return tuple(one for one in quantities if one.kind != "reinforcement" or model.bars)
 
 
 def with_extremes(model: Model) -> tuple[str, ...]:
@@ -316,8 +321,16 @@ MEANS = (
     Quantity("moment", "moment", "moment, mean of mₙₙ"),
     Quantity("twist", "moment", "twist, mean of mₙₛ"),
     Quantity("shear", "shear", "shear, mean of qₙ"),
+    *(
+        Quantity(f"{name}_{face}", kind, f"{words} along the strip at the {face}", (key, face))
+        for name, kind, words, key in (
+            ("moment", "moment", "design moment", "design_moment"),
+            ("as", "reinforcement", "required As", "as"),
+        )
+        for face in ("bottom", "top")
+    ),
 )
-"""Means of moment, twist and shear across a strip at its stations."""
+"""Means of moment, twist and shear across a strip at its stations, and what bars along the strip need for them."""
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
@@ -356,6 +369,27 @@ def derived(
     return result
 
 
+def along_strips(what: str, through: Floats, thickness: Floats, axis: Ints, bars: Bars | None) -> Floats:
+    """Design moments or required reinforcement (..., c) of bars along strips at c stations.
+
+    ``through`` (..., c, 3) are means of moment, twist and shear; the design moments are moment ± |twist|. ``axis`` (c,)
+    is 0 for strips along x, 1 along y; the reinforcement of other strips is NaN.
+    """
+    moment, twist, shear = through[..., 0], through[..., 1], np.zeros((*through.shape[:-1], 2))
+    quantity, face = what.split("_")
+    # With the moment |twist| across the strip, bars across it suffice at neither face.
+    along_x, along_y = (
+        np.stack([*pair, twist], axis=-1) for pair in ((moment, np.abs(twist)), (np.abs(twist), moment))
+    )
+    if quantity == "moment":
+        return derived([f"mx_{face}"], along_x, shear, thickness)[..., 0]
+    x, y = (
+        derived([f"as_{name}_{face}"], of, shear, thickness, bars)[..., 0]
+        for name, of in (("x", along_x), ("y", along_y))
+    )
+    return np.where(axis == 0, x, np.where(axis == 1, y, np.nan))
+
+
 class FieldGroup(NamedTuple):
     """Fields whose envelopes are computed together: ``names``, values number ``wanted`` of all ``formulas``."""
 
@@ -363,6 +397,7 @@ class FieldGroup(NamedTuple):
     inputs: tuple[str, ...]
     formulas: tuple[str, ...]
     wanted: tuple[int, ...]
+    of_bars: bool = False
 
 
 def field_groups(fields: Iterable[str]) -> Iterator[FieldGroup]:
@@ -370,13 +405,14 @@ def field_groups(fields: Iterable[str]) -> Iterator[FieldGroup]:
     names = list(fields)
     own = {one.name for of in DERIVED for one in of.quantities}
     yield from (FieldGroup((name,), (name,), ("sum",), (0,)) for name in names if name not in own)
-    for inputs in dict.fromkeys(of.inputs for of in DERIVED):
-        those = [of for of in DERIVED if of.inputs == inputs and any(one.name in names for one in of.quantities)]
+    for inputs, of_bars in dict.fromkeys((of.inputs, of.of_bars) for of in DERIVED):
+        alike = [of for of in DERIVED if (of.inputs, of.of_bars) == (inputs, of_bars)]
+        those = [of for of in alike if any(one.name in names for one in of.quantities)]
         values = [one.name for of in those for one in of.quantities]
         wanted = [place for place, name in enumerate(values) if name in names]
         if wanted:
             formulas = tuple(of.formula for of in those if isinstance(of.formula, str))
-            yield FieldGroup(tuple(values[place] for place in wanted), inputs, formulas, tuple(wanted))
+            yield FieldGroup(tuple(values[place] for place in wanted), inputs, formulas, tuple(wanted), of_bars)
 
 
 @dataclass(frozen=True)
@@ -514,7 +550,7 @@ class Catalogue:
             for one in OF_STRIPS:
                 result.append(Number(one, "strip", index, ("strips", index, *one.path), subject, 0, False))
             for station in range(strip.stations):
-                for one in MEANS:
+                for one in in_model(model, MEANS):
                     path = ("strips", index, "stations", station, *one.path)
                     result.append(Number(one, "station", index, path, f"{subject}[{station + 1}]", station))
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]

@@ -22,6 +22,7 @@ from signorini.results.quantities import (
     FIELDS,
     LINEAR,
     MEAN_SIDES,
+    OF_BARS,
     PEAKING,
     SIDES,
     Catalogue,
@@ -30,6 +31,7 @@ from signorini.results.quantities import (
     with_extremes,
 )
 from signorini.results.support_result import SupportResult, areas_below
+from signorini.singularities.beside import at_faces
 from signorini.singularities.singularity import Singularity, at_peaks
 
 Status = Literal["solved", "no_equilibrium"]
@@ -155,9 +157,17 @@ class ResultState(Remade):
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
         else:
-            field = derived([name], self.moment, self.shear, self.thickness, self.model.bars)[:, 0]
+            moment = self._moment_at_faces if name in OF_BARS else self.moment
+            field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
+
+    @cached_property
+    def _moment_at_faces(self) -> Floats:
+        """Moments (s, 3) for the design of bars, see `Reinforcement.face`."""
+        if not self.model.at_faces or self.means is None:
+            return self.moment
+        return at_faces(self.moment, self.means.values, self.means.beside, self.stress_nodes.points)
 
     @cached_property
     def profiles(self) -> Mapping[str, ProfileResult]:

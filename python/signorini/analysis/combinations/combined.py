@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations.terms import PlateTerms, Terms, terms_of
+from signorini.analysis.combinations.terms import AT_FACES, PlateTerms, Terms, terms_of
 from signorini.base.remade import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.problem import ContactProblem
@@ -279,7 +279,8 @@ class _Run:
         envelope, own = self._envelope(group).fields, member.plate.own
         for those in field_groups(envelope):
             first, nodes = those.names[0], member.nodes_of(those.names[0])
-            inputs = [terms.fields[name] for name in those.inputs]
+            ending = AT_FACES if those.of_bars and own.model.at_faces else ""
+            inputs = [terms.fields[name + ending] for name in those.inputs]
             count = inputs[0].shape[1]
             hidden = member.hidden.get(first, Hidden.nothing(count))
             left_out = hidden.under(acting, self.terms.cases)
