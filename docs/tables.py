@@ -25,12 +25,13 @@ Units are F (force) and L (length). Owners in the examples are the supports `ARE
 of [thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
 `combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
 _MODEL = """
-units = { length = "L", force = "F" }
+units = { length = "m", force = "kN" }
 material = { E = 1e7, nu = 0.2 }
 plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
 mesh = { divisions = [2, 2] }
 load = [{ pressure = 2 }]
 probe = [{ at = [2, 2] }]
+reinforcement = { code = "EN 1992-1-1:2004", fck = 30e3, fyk = 500e3, d_top = [0.03, 0.04], d_bottom = [0.03, 0.04] }
 section = [{ name = "CUT", line = [[2, 0], [2, 4]] }]
 strip = [{ name = "STRIP", line = [[0, 2], [4, 2]], width = 1 }]
 support = [
@@ -111,14 +112,14 @@ def _path(number: Number) -> str:
 
 def quantities() -> str:
     """Return docs/quantities.md, from a model with supports, sections and so on of all kinds."""
-    model, lines = signorini.loads(_MODEL), [_QUANTITIES]
+    model, lines, units = signorini.loads(_MODEL), [_QUANTITIES], signorini.Units(length="L", force="F")
     every = [signorini.solve(one)["all"].catalogue for one in (model, signorini.loads(_COLUMNS))]
     numbers = [*every[0], *every[1].only(lambda one: one.home == "punching")]
     for home in dict.fromkeys(one.home for one in numbers):
         lines.append(_section(home.capitalize(), "name", "number", "unit", "path", "column"))
         first = {(one.owner, _path(one)): one for one in reversed(numbers) if one.home == home}
         for (_, path), one in reversed(first.items()):
-            cells = f"`{one.name}` | {one.quantity.words} | {one.quantity.unit(model.units)} | `{path}`"
+            cells = f"`{one.name}` | {one.quantity.words} | {one.quantity.unit(units)} | `{path}`"
             lines.append(f"| {cells} | {f'`{one.column}`' if one.tabled else ''} |")
     return "\n".join(lines) + "\n"
 

@@ -18,7 +18,7 @@ from models import rectangular
 
 from signorini import Model, Result, Results, SignoriniError, estimate, path, solve, validate
 from signorini.output import results_json
-from signorini.results.quantities import TOLD, design_moments, face_stresses, principal_moments
+from signorini.results.quantities import derived, with_extremes
 
 sys.path.insert(0, str(Path(__file__).parent / "fuzz"))
 import random_models
@@ -76,7 +76,7 @@ def test_every_number_of_results_json_is_in_the_catalogue_and_back(results: Resu
 
 
 def test_a_number_has_one_value_by_its_keys_its_column_and_its_name(results: Results, one: Result) -> None:
-    tabled = solve(model(output={"combinations": "table", "envelope": list(TOLD)})).table
+    tabled = solve(model(output={"combinations": "table", "envelope": list(with_extremes(model()))})).table
     for number, value in zip(one.catalogue, one.numbers.tolist(), strict=True):
         if number.tabled and number.column in results.table:
             assert results.table[number.column][2] == pytest.approx(value, nan_ok=True), number.column
@@ -88,6 +88,16 @@ def test_a_number_has_one_value_by_its_keys_its_column_and_its_name(results: Res
         assert stop.number(name) == pytest.approx(told[name], rel=1e-7, abs=1e-9, nan_ok=True), name
 
 
+DESIGN = "mx_bottom", "my_bottom", "mx_top", "my_top"
+FACES = tuple(f"{name}_{face}" for face in ("top", "bottom") for name in ("sx", "sy", "txy"))
+STRESSES = *FACES, "von_mises", "von_mises_bottom"
+
+
+def of_moments(moment: Any, *names: str) -> Any:
+    """Return fields (..., f) of a plate of the thickness `THICKNESS` with moments (..., 3)."""
+    return derived(names, moment, np.zeros((*moment.shape[:-1], 2)), np.array(THICKNESS))
+
+
 moments = st.tuples(*[st.floats(-100, 100).map(lambda m: round(m, 3))] * 3).map(np.array)
 
 
@@ -95,8 +105,8 @@ moments = st.tuples(*[st.floats(-100, 100).map(lambda m: round(m, 3))] * 3).map(
 def test_bars_along_x_and_y_resist_the_moment_in_every_direction_and_no_less_would(moment: Any) -> None:
     """Wood (1968), Armer (1968): the least sum of both, at the bottom and, of the moments' opposites, at the top."""
     tensor, size = np.array([[moment[0], moment[2]], [moment[2], moment[1]]]), 1e-9 * (1 + np.abs(moment).max())
-    x, y, *top = design_moments(moment)
-    assert np.negative(top) == pytest.approx(design_moments(moment * [-1, -1, 1])[:2])
+    x, y, *top = of_moments(moment, *DESIGN)
+    assert np.negative(top) == pytest.approx(of_moments(moment * [-1, -1, 1], *DESIGN)[:2])
     spare = np.diag([x, y]) - tensor
     assert min(x, y) >= 0 and np.linalg.eigvalsh(spare).min() >= -size
     assert x == y == 0 or np.linalg.eigvalsh(spare).min() <= size
@@ -107,11 +117,11 @@ def test_bars_along_x_and_y_resist_the_moment_in_every_direction_and_no_less_wou
 @given(moments)
 def test_principal_moments_and_von_mises_are_those_of_the_tensor(moment: Any) -> None:
     tensor, size = np.array([[moment[0], moment[2]], [moment[2], moment[1]]]), 1e-9 * (1 + np.abs(moment).max())
-    m1, m2, angle = principal_moments(moment)
+    m1, m2, angle = of_moments(moment, "m1", "m2", "m_angle")
     axis = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
     assert m1 >= m2 and tensor @ axis == pytest.approx(m1 * axis, abs=size)
     assert m1 + m2 == pytest.approx(moment[0] + moment[1], abs=size)
-    *top, at_top, at_bottom = np.split(face_stresses(moment, np.array(THICKNESS)), [3, 6, 7])
+    *top, at_top, at_bottom = np.split(of_moments(moment, *STRESSES), [3, 6, 7])
     assert np.negative(top[0]) == pytest.approx(top[1]) and top[1] == pytest.approx(6 * moment / THICKNESS**2)
     mises = 6 / THICKNESS**2 * np.sqrt(m1**2 - m1 * m2 + m2**2)
     assert at_top == at_bottom == pytest.approx(mises, abs=1e3 * size)
@@ -131,8 +141,8 @@ def test_probes_and_fields_have_the_stresses_of_their_moments(one: Result) -> No
         assert np.array(width["stress"]["shear"], float) == pytest.approx(wanted, rel=0.01, nan_ok=True)
     fields = one.fields
     assert np.allclose(fields["sx_top"], -by * one.moment[:, 0])
-    assert np.allclose(fields["m1"], principal_moments(one.moment)[:, 0])
-    assert np.allclose(fields["my_top"], design_moments(one.moment)[:, 3])
+    assert np.allclose(fields["m1"], of_moments(one.moment, "m1")[:, 0])
+    assert np.allclose(fields["my_top"], of_moments(one.moment, "my_top")[:, 0])
     assert np.allclose(fields["tyz"], 1.5 / THICKNESS * one.shear[:, 1])
 
 

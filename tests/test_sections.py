@@ -92,7 +92,7 @@ def test_results_have_every_number_with_its_half_width():
     assert list(section) == ["name", "length", "moment", "twist", "shear"]
     assert [len(strip["stations"]), strip["stations"][1]["at"]] == [5, [1.0, 2.0]]
     assert sorted(strip) == ["max_at", "max_moment", "min_at", "min_moment", "name", "stations"]
-    assert list(strip["stations"][0]) == ["at", "width", "moment", "twist", "shear"]
+    assert list(strip["stations"][0]) == ["at", "width", "moment", "twist", "shear", "design_moment"]
     assert strip["max_moment"] == max(station["moment"] for station in strip["stations"])
     widths = found["plus_minus"]
     assert widths["sections"][0]["length"] == 0

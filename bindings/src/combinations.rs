@@ -1,4 +1,4 @@
-use crate::arrays::{invalid, matrix, rows, rows_of, vector};
+use crate::arrays::{invalid, rows, rows_of, vector};
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
 use crate::threads::{interruptible, released};
@@ -9,9 +9,10 @@ use numpy::{
 use pyo3::prelude::*;
 use signorini_core::contact::{self, SolveError};
 use signorini_core::displacement::Displacement;
+use signorini_core::fields::{Bars, Formula};
 use signorini_core::plate;
 use signorini_core::stress::{Strained, smoothed_together};
-use signorini_core::superposition::{self, Envelope, LeftOut};
+use signorini_core::superposition::{self, Envelope, Fields, LeftOut};
 use std::sync::Arc;
 
 /// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions (m,) and
@@ -223,48 +224,115 @@ pub fn superpose<'py>(
     PyArray1::from_vec(py, out).reshape([number, length])
 }
 
-type Peaks<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
+type Peaks<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<i64>>);
+/// Largest values (n,) and their combinations, smallest values and their combinations.
+type Bounds<'py> = (
+    PyReadwriteArray1<'py, f64>,
+    PyReadwriteArray1<'py, i64>,
+    PyReadwriteArray1<'py, f64>,
+    PyReadwriteArray1<'py, i64>,
+);
 
-/// Updates an envelope (n,) in place with the sums of vectors (b, n) with coefficients (k, b). `who` (k,) has the
-/// numbers of the combinations.
+/// Updates the envelopes (n,) of f fields in place with k combinations, whose numbers are `who` (k,).
 ///
-/// Returns the largest and the smallest value (k, 2) of each sum, and the indices of these values (k, 2). Entry i of a
-/// sum is excluded from them if `left_out` (k, c) is true for the class `classes[i]`.
+/// The arguments of `formulas` are sums of `inputs`, each vectors (b, n), with coefficients (k, b), and `thickness` (n,),
+/// see `evaluate`. `wanted` (f,) are the indices of the fields among the values of all formulas. Returns the largest and
+/// the smallest value (f, k, 2) of each field and combination, and the indices of these values (f, k, 2). Entry i is
+/// excluded from them if `left_out` (k, c) is true for the class `classes[i]`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn envelop<'py>(
     py: Python<'py>,
     coefficients: PyReadonlyArray2<'py, f64>,
-    vectors: PyReadonlyArray2<'py, f64>,
+    inputs: Vec<PyReadonlyArray2<'py, f64>>,
+    formulas: Vec<String>,
+    wanted: Vec<usize>,
+    thickness: PyReadonlyArray1<'py, f64>,
+    bars: Vec<f64>,
     who: PyReadonlyArray1<'py, i64>,
-    mut largest: PyReadwriteArray1<'py, f64>,
-    mut largest_by: PyReadwriteArray1<'py, i64>,
-    mut smallest: PyReadwriteArray1<'py, f64>,
-    mut smallest_by: PyReadwriteArray1<'py, i64>,
+    mut bounds: Vec<Bounds<'py>>,
     classes: PyReadonlyArray1<'py, i64>,
     left_out: PyReadonlyArray2<'py, bool>,
 ) -> PyResult<Peaks<'py>> {
-    let (count, length) = (vectors.shape()[0], vectors.shape()[1]);
-    let number = who.len();
-    let sizes = [largest.len(), largest_by.len(), smallest.len(), smallest_by.len()];
-    if coefficients.shape() != [number, count] || sizes.iter().any(|&size| size != length) {
-        return Err(invalid("coefficients (k, b), vectors (b, n), k names and an envelope (n,) must agree"));
+    let (number, length, count) = (who.len(), classes.len(), coefficients.shape()[1]);
+    let formulas = formulas.iter().map(|name| formula(name, &bars)).collect::<PyResult<Vec<Formula>>>()?;
+    let values: usize = formulas.iter().map(|formula| formula.values()).sum();
+    let sizes = |one: &Bounds<'_>| [one.0.len(), one.1.len(), one.2.len(), one.3.len()];
+    if coefficients.shape()[0] != number
+        || inputs.is_empty()
+        || inputs.iter().any(|vectors| vectors.shape() != [count, length])
+        || bounds.iter().flat_map(sizes).any(|size| size != length)
+        || thickness.len() != length
+    {
+        return Err(invalid("coefficients (k, b), vectors (b, n), k names and envelopes (n,) must agree"));
+    }
+    if formulas.iter().any(|formula| formula.inputs() != inputs.len())
+        || wanted.len() != bounds.len()
+        || wanted.iter().any(|&value| value >= values)
+    {
+        return Err(invalid("formulas must have the given inputs, and values that have envelopes"));
     }
     let (class, count_of) = (classes.as_slice()?, left_out.shape()[1]);
-    if class.len() != length || left_out.shape()[0] != number || class.iter().any(|&c| c < 0 || c as usize >= count_of)
-    {
+    if left_out.shape()[0] != number || class.iter().any(|&c| c < 0 || c as usize >= count_of) {
         return Err(invalid("classes (n,) must count from 0, and left_out (k, c) tell of each"));
     }
     let left_out = LeftOut { class, sums: left_out.as_slice()?, classes: count_of };
-    let (coefficients, vectors, who) = (coefficients.as_slice()?, vectors.as_slice()?, who.as_slice()?);
-    let mut envelope = Envelope {
-        largest: largest.as_slice_mut()?,
-        largest_by: largest_by.as_slice_mut()?,
-        smallest: smallest.as_slice_mut()?,
-        smallest_by: smallest_by.as_slice_mut()?,
-    };
-    let peaks = released(py, || superposition::envelop(coefficients, vectors, who, &mut envelope, left_out))?;
-    let values = peaks.iter().flat_map(|peak| [peak.largest, peak.smallest]).collect();
-    let places = peaks.iter().flat_map(|peak| [peak.largest_at as i64, peak.smallest_at as i64]).collect();
-    Ok((matrix(py, values, 2)?, PyArray1::from_vec(py, places).reshape([number, 2])?))
+    let vectors = inputs.iter().map(|vectors| Ok(vectors.as_slice()?)).collect::<PyResult<Vec<&[f64]>>>()?;
+    let (coefficients, who) = (coefficients.as_slice()?, who.as_slice()?);
+    let fields = Fields { formulas: &formulas, wanted: &wanted, thickness: thickness.as_slice()? };
+    let envelopes = bounds
+        .iter_mut()
+        .map(|(largest, largest_by, smallest, smallest_by)| {
+            Ok(Envelope {
+                largest: largest.as_slice_mut()?,
+                largest_by: largest_by.as_slice_mut()?,
+                smallest: smallest.as_slice_mut()?,
+                smallest_by: smallest_by.as_slice_mut()?,
+            })
+        })
+        .collect::<PyResult<Vec<Envelope<'_>>>>()?;
+    let peaks = released(py, || superposition::envelop(coefficients, &vectors, &fields, who, envelopes, left_out))?;
+    let each = || peaks.iter().flatten();
+    let values = each().flat_map(|peak| [peak.largest, peak.smallest]).collect();
+    let places = each().flat_map(|peak| [peak.largest_at as i64, peak.smallest_at as i64]).collect();
+    let shape = [wanted.len(), number, 2];
+    Ok((PyArray1::from_vec(py, values).reshape(shape)?, PyArray1::from_vec(py, places).reshape(shape)?))
+}
+
+/// The formula of a name; `bars` are the numbers of `Bars` in their order, which only "steel" reads.
+fn formula(name: &str, bars: &[f64]) -> PyResult<Formula> {
+    Ok(match name {
+        "sum" => Formula::Sum,
+        "principal" => Formula::Principal,
+        "angle" => Formula::Angle,
+        "design" => Formula::Design,
+        "face" => Formula::Face,
+        "shear" => Formula::Shear,
+        "steel" => match *bars {
+            [a, b, c, d, block, yield_stress, deepest, least, most, plain] => {
+                Formula::Steel(Bars { distance: [a, b, c, d], block, yield_stress, deepest, least, most, plain })
+            }
+            _ => return Err(invalid("steel needs the 10 numbers of its bars")),
+        },
+        _ => return Err(invalid(format!("unknown formula {name}"))),
+    })
+}
+
+/// Values (n, c) of a formula from its inputs (n, i), moments mx, my, mxy or shears qx, qy, and thickness (n,).
+///
+/// `signorini_core::fields::Formula` describes the formulas.
+#[pyfunction]
+pub fn evaluate<'py>(
+    py: Python<'py>,
+    name: &str,
+    inputs: PyReadonlyArray2<'py, f64>,
+    thickness: PyReadonlyArray1<'py, f64>,
+    bars: Vec<f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let formula = formula(name, &bars)?;
+    if inputs.shape() != [thickness.len(), formula.inputs()] {
+        return Err(invalid(format!("{name} needs inputs (n, {}) and thickness (n,)", formula.inputs())));
+    }
+    let values = formula.of(inputs.as_slice()?, thickness.as_slice()?);
+    PyArray1::from_vec(py, values).reshape([thickness.len(), formula.values()])
 }

@@ -41,5 +41,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(together::solution_stresses, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::superpose, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::envelop, module)?)?;
+    module.add_function(wrap_pyfunction!(combinations::evaluate, module)?)?;
     Ok(())
 }

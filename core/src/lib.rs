@@ -15,6 +15,7 @@ pub mod dense;
 pub mod displacement;
 pub mod double_double;
 pub mod element;
+pub mod fields;
 pub mod lcp;
 pub mod ordering;
 pub mod plate;

@@ -1,12 +1,11 @@
-//! Linear combinations of many vectors, and extremes of these sums.
+//! Linear combinations of many vectors, and extremes of these sums and of fields computed from them.
 //!
 //! Each sum adds the vectors in their order, so that its bits do not depend on other sums.
 
+use crate::fields::{Formula, Lanes, TILE};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of entries in a tile, whose sums stay in registers.
-const TILE: usize = 16;
 /// Number of entries of an envelope in one parallel chunk.
 const SHARE: usize = 1024;
 
@@ -54,8 +53,8 @@ impl WithSimd for Superpose<'_> {
     }
 }
 
-/// Envelope of many sums (n,): the largest and smallest value of each entry, and the numbers of the combinations that
-/// attain them.
+/// Envelope of one field (n,) in many combinations: the largest and smallest value of each entry, and the numbers of
+/// the combinations that attain them.
 pub struct Envelope<'a> {
     pub largest: &'a mut [f64],
     pub largest_by: &'a mut [i64],
@@ -63,7 +62,41 @@ pub struct Envelope<'a> {
     pub smallest_by: &'a mut [i64],
 }
 
-/// Largest and smallest entry of a sum, and the indices of these entries.
+impl<'a> Envelope<'a> {
+    /// The envelope in chunks of `size` entries.
+    fn chunks(self, size: usize) -> impl Iterator<Item = Self> {
+        let largest = self.largest.chunks_mut(size).zip(self.largest_by.chunks_mut(size));
+        let smallest = self.smallest.chunks_mut(size).zip(self.smallest_by.chunks_mut(size));
+        largest.zip(smallest).map(|((largest, largest_by), (smallest, smallest_by))| Self {
+            largest,
+            largest_by,
+            smallest,
+            smallest_by,
+        })
+    }
+
+    /// Updates the entries from `from` on with the values of combination `who`; `high` and `low` are their extremes.
+    #[inline(always)]
+    fn take(&mut self, from: usize, values: &Lanes, high: &mut Lanes, low: &mut Lanes, who: i64) {
+        let mut beyond = false;
+        for i in 0..TILE {
+            beyond |= (values[i] > high[i]) | (values[i] < low[i]);
+        }
+        if beyond {
+            // If the tile is incomplete, its last lanes repeat an entry.
+            for i in 0..TILE.min(self.largest.len() - from) {
+                if values[i] > high[i] {
+                    (self.largest[from + i], self.largest_by[from + i], high[i]) = (values[i], who, values[i]);
+                }
+                if values[i] < low[i] {
+                    (self.smallest[from + i], self.smallest_by[from + i], low[i]) = (values[i], who, values[i]);
+                }
+            }
+        }
+    }
+}
+
+/// Largest and smallest entry of a field in one combination, and the indices of these entries.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
     pub largest: f64,
@@ -116,65 +149,101 @@ impl Peak {
     }
 }
 
-/// Updates an envelope with the sums of vectors (b, n) with coefficients (k, b), and returns the extremes of each sum.
-/// `who` (k,) has the numbers of the combinations. Sums are computed tile by tile and not stored.
+/// Fields with envelopes: the values `wanted` (f,), as indices among the values of all `formulas`, which have the same
+/// inputs. `thickness` (n,) is the thickness at each entry.
+pub struct Fields<'a> {
+    pub formulas: &'a [Formula],
+    pub wanted: &'a [usize],
+    pub thickness: &'a [f64],
+}
+
+/// Updates the envelopes of f fields with k combinations, and returns the extremes (f, k) of each field and combination.
+///
+/// Each of the `inputs` has vectors (b, n); the arguments of the formulas are sums of these vectors with coefficients
+/// (k, b). `who` (k,) has the numbers of the combinations. Sums and values are computed tile by tile and not stored.
 pub fn envelop(
     coefficients: &[f64],
-    vectors: &[f64],
+    inputs: &[&[f64]],
+    fields: &Fields,
     who: &[i64],
-    envelope: &mut Envelope,
+    envelopes: Vec<Envelope>,
     left_out: LeftOut,
-) -> Vec<Peak> {
-    let length = envelope.largest.len();
+) -> Vec<Vec<Peak>> {
+    let length = left_out.class.len();
     let count = coefficients.len() / who.len().max(1);
     // Vectors whose coefficients are zero in all sums are skipped.
     let used: Vec<usize> =
         (0..count).filter(|&b| coefficients.iter().skip(b).step_by(count).any(|c| *c != 0.0)).collect();
     let rows: Vec<f64> = coefficients.chunks_exact(count.max(1)).flat_map(|row| used.iter().map(|&b| row[b])).collect();
-    let shares = envelope
-        .largest
-        .par_chunks_mut(SHARE)
-        .zip(envelope.largest_by.par_chunks_mut(SHARE))
-        .zip(envelope.smallest.par_chunks_mut(SHARE).zip(envelope.smallest_by.par_chunks_mut(SHARE)))
-        .enumerate();
-    let peaks: Vec<Vec<Peak>> = shares
-        .map(|(share, ((largest, largest_by), (smallest, smallest_by)))| {
-            let mut peaks = vec![NO_PEAK; who.len()];
-            let mut tile = vec![0.0; used.len() * TILE];
-            for from in (0..largest.len()).step_by(TILE) {
-                let width = TILE.min(largest.len() - from);
-                let first = share * SHARE + from;
-                for (row, &b) in tile.chunks_exact_mut(TILE).zip(&used) {
-                    let source = &vectors[b * length + first..b * length + first + width];
-                    row[..width].copy_from_slice(source);
-                    // If the last tile is incomplete, its last entry is repeated.
-                    row[width..].fill(source[width - 1]);
+    let mut shares: Vec<Vec<Envelope>> = (0..length.div_ceil(SHARE)).map(|_| Vec::new()).collect();
+    for envelope in envelopes {
+        shares.iter_mut().zip(envelope.chunks(SHARE)).for_each(|(share, part)| share.push(part));
+    }
+    let peaks: Vec<Vec<Vec<Peak>>> = shares
+        .into_par_iter()
+        .enumerate()
+        .map(|(share, mut envelopes)| {
+            let mut peaks = vec![vec![NO_PEAK; who.len()]; fields.wanted.len()];
+            let mut tile = vec![[0.0; TILE]; used.len() * inputs.len()];
+            let start = share * SHARE;
+            for from in (0..SHARE.min(length - start)).step_by(TILE) {
+                let first = start + from;
+                let width = TILE.min(length - first);
+                for (input, vectors) in inputs.iter().zip(tile.chunks_exact_mut(used.len().max(1))) {
+                    for (lanes, &b) in vectors.iter_mut().zip(&used) {
+                        fill(lanes, &input[b * length + first..b * length + first + width]);
+                    }
                 }
-                let part = from..from + width;
-                let mut bounds = Envelope {
-                    largest: &mut largest[part.clone()],
-                    largest_by: &mut largest_by[part.clone()],
-                    smallest: &mut smallest[part.clone()],
-                    smallest_by: &mut smallest_by[part],
-                };
-                let (vectors, envelope, peaks) = (&tile[..], &mut bounds, &mut peaks[..]);
-                Arch::new().dispatch(Tile { rows: &rows, vectors, who, first, envelope, peaks, left_out });
+                let mut thickness = [0.0; TILE];
+                fill(&mut thickness, &fields.thickness[first..first + width]);
+                let (vectors, envelopes, peaks) = (&tile[..], &mut envelopes[..], &mut peaks[..]);
+                let within = Within { first, from, width };
+                let inputs = inputs.len();
+                Arch::new().dispatch(Tile {
+                    rows: &rows,
+                    vectors,
+                    inputs,
+                    fields,
+                    thickness,
+                    who,
+                    within,
+                    envelopes,
+                    peaks,
+                    left_out,
+                });
             }
             peaks
         })
         .collect();
-    let merged = |k: usize| peaks.iter().fold(NO_PEAK, |peak, share| peak.or(share[k]));
-    (0..who.len()).map(merged).collect()
+    let merged = |f: usize, k: usize| peaks.iter().fold(NO_PEAK, |peak, share| peak.or(share[f][k]));
+    (0..fields.wanted.len()).map(|f| (0..who.len()).map(|k| merged(f, k)).collect()).collect()
+}
+
+/// Copies the entries of a tile. If the last tile is incomplete, its last entry is repeated.
+fn fill(lanes: &mut Lanes, source: &[f64]) {
+    lanes[..source.len()].copy_from_slice(source);
+    lanes[source.len()..].fill(source[source.len() - 1]);
+}
+
+/// Entries of a tile: index of the first among all entries and in its share, and their number.
+#[derive(Clone, Copy)]
+struct Within {
+    first: usize,
+    from: usize,
+    width: usize,
 }
 
 /// One tile: [`TILE`] consecutive entries of every vector. The same entries of all sums are computed with it.
 struct Tile<'a, 'b> {
     rows: &'a [f64],
-    vectors: &'a [f64],
+    vectors: &'a [Lanes],
+    inputs: usize,
+    fields: &'a Fields<'a>,
+    thickness: Lanes,
     who: &'a [i64],
-    first: usize,
-    envelope: &'a mut Envelope<'b>,
-    peaks: &'a mut [Peak],
+    within: Within,
+    envelopes: &'a mut [Envelope<'b>],
+    peaks: &'a mut [Vec<Peak>],
     left_out: LeftOut<'a>,
 }
 
@@ -183,51 +252,49 @@ impl WithSimd for Tile<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Tile { rows, vectors, who, first, envelope, peaks, left_out } = self;
-        let (width, count) = (envelope.largest.len(), vectors.len() / TILE);
-        let (mut high, mut low) = ([f64::NEG_INFINITY; TILE], [f64::INFINITY; TILE]);
-        high[..width].copy_from_slice(envelope.largest);
-        low[..width].copy_from_slice(envelope.smallest);
-        for (k, peak) in peaks.iter_mut().enumerate() {
-            let mut sum = [0.0; TILE];
+        let Tile { rows, vectors, inputs, fields, thickness, who, within, envelopes, peaks, left_out } = self;
+        let (Within { first, from, width }, count) = (within, vectors.len() / inputs);
+        let mut bounds = vec![([f64::NEG_INFINITY; TILE], [f64::INFINITY; TILE]); envelopes.len()];
+        for ((high, low), envelope) in bounds.iter_mut().zip(envelopes.iter()) {
+            fill(high, &envelope.largest[from..from + width]);
+            fill(low, &envelope.smallest[from..from + width]);
+        }
+        let mut sums = vec![[0.0; TILE]; inputs];
+        let mut values = vec![[0.0; TILE]; fields.formulas.iter().map(|formula| formula.values()).sum()];
+        for (k, &who) in who.iter().enumerate() {
             let row = &rows[k * count..(k + 1) * count];
-            let registers = S::as_simd_f64s(vectors).0;
-            let out = S::as_mut_simd_f64s(&mut sum).0;
-            let mut from = 0;
-            while from + 4 <= out.len() {
-                sum_strip::<S, 4>(simd, row, registers, from, out);
-                from += 4;
-            }
-            while from < out.len() {
-                sum_strip::<S, 1>(simd, row, registers, from, out);
-                from += 1;
-            }
-            let (bounds_high, bounds_low) = (S::as_simd_f64s(&high).0, S::as_simd_f64s(&low).0);
-            let (mut most, mut least) = (out[0], out[0]);
-            let mut beyond = simd.splat_f64s(f64::NEG_INFINITY);
-            for ((s, h), l) in out.iter().zip(bounds_high).zip(bounds_low) {
-                most = simd.max_f64s(most, *s);
-                least = simd.min_f64s(least, *s);
-                beyond = simd.max_f64s(beyond, simd.sub_f64s(*s, *h));
-                beyond = simd.max_f64s(beyond, simd.sub_f64s(*l, *s));
-            }
-            let (largest, smallest) = (simd.reduce_max_f64s(most), simd.reduce_min_f64s(least));
-            if largest > peak.largest || smallest < peak.smallest {
-                left_out.look(k, first, &sum[..width], peak);
-            }
-            if simd.reduce_max_f64s(beyond) > 0.0 {
-                for i in 0..width {
-                    if sum[i] > high[i] {
-                        (high[i], envelope.largest_by[i]) = (sum[i], who[k]);
-                    }
-                    if sum[i] < low[i] {
-                        (low[i], envelope.smallest_by[i]) = (sum[i], who[k]);
-                    }
+            for (at, sum) in sums.iter_mut().enumerate() {
+                let registers = S::as_simd_f64s(vectors[at * count..(at + 1) * count].as_flattened()).0;
+                let out = S::as_mut_simd_f64s(sum).0;
+                let mut from = 0;
+                while from + 4 <= out.len() {
+                    sum_strip::<S, 4>(simd, row, registers, from, out);
+                    from += 4;
+                }
+                while from < out.len() {
+                    sum_strip::<S, 1>(simd, row, registers, from, out);
+                    from += 1;
                 }
             }
+            let mut rest = &mut values[..];
+            for formula in fields.formulas {
+                let (own, others) = rest.split_at_mut(formula.values());
+                formula.apply(&sums, &thickness, own);
+                rest = others;
+            }
+            let each = fields.wanted.iter().zip(&mut bounds).zip(envelopes.iter_mut()).zip(peaks.iter_mut());
+            for (((&wanted, (high, low)), envelope), peaks) in each {
+                let (values, peak) = (&values[wanted], &mut peaks[k]);
+                let mut beyond = false;
+                for value in values {
+                    beyond |= (*value > peak.largest) | (*value < peak.smallest);
+                }
+                if beyond {
+                    left_out.look(k, first, &values[..width], peak);
+                }
+                envelope.take(from, values, high, low, who);
+            }
         }
-        envelope.largest.copy_from_slice(&high[..width]);
-        envelope.smallest.copy_from_slice(&low[..width]);
     }
 }
 
@@ -247,6 +314,7 @@ fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s],
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fields::Bars;
 
     /// Pseudo-random numbers from a fixed seed, for tests.
     fn numbers(count: usize, mut seed: u64) -> Vec<f64> {
@@ -279,17 +347,18 @@ mod tests {
             let who: Vec<i64> = (100..100 + combinations as i64).collect();
             let (mut largest, mut smallest) = (vec![f64::NEG_INFINITY; length], vec![f64::INFINITY; length]);
             let (mut largest_by, mut smallest_by) = (vec![-1; length], vec![-1; length]);
-            let mut envelope = Envelope {
+            let envelope = Envelope {
                 largest: &mut largest,
                 largest_by: &mut largest_by,
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
+            let fields = Fields { formulas: &[Formula::Sum], wanted: &[0], thickness: &vec![0.0; length] };
             // In sums with odd numbers, every third entry is excluded from the extremes.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };
-            let peaks = envelop(&coefficients, &vectors, &who, &mut envelope, left_out);
+            let peaks = envelop(&coefficients, &[&vectors], &fields, &who, vec![envelope], left_out).remove(0);
             for i in 0..length {
                 let column: Vec<f64> = (0..combinations).map(|k| sums[k * length + i]).collect();
                 assert!(column.iter().all(|s| *s <= largest[i] && *s >= smallest[i]));
@@ -301,6 +370,60 @@ mod tests {
                 assert!((0..length).all(|i| !counts(i) || (sum[i] <= peak.largest && sum[i] >= peak.smallest)));
                 assert!(counts(peak.largest_at) && counts(peak.smallest_at));
                 assert_eq!((sum[peak.largest_at], sum[peak.smallest_at]), (peak.largest, peak.smallest));
+            }
+        }
+    }
+
+    #[test]
+    fn envelopes_of_fields_are_those_of_the_fields_of_sums() {
+        let (count, combinations, length) = (7, 30, 1041);
+        let inputs: Vec<Vec<f64>> = (1..4).map(|seed| numbers(count * length, seed)).collect();
+        let coefficients = numbers(combinations * count, 9);
+        let distance = [0.1, 0.2, 0.3, 0.15];
+        let (deepest, least, most, plain) = (0.36, 0.0013, 0.04, 1e-9);
+        let bars = Bars { distance, block: 20.0, yield_stress: 400.0, deepest, least, most, plain };
+        let formulas = [Formula::Principal, Formula::Design, Formula::Face, Formula::Steel(bars)];
+        let wanted = [0, 1, 2, 5, 8, 12, 14, 15, 17];
+        let thickness: Vec<f64> = numbers(length, 4).iter().map(|t| 1.5 + 0.5 * t).collect();
+        let sums: Vec<Vec<f64>> = inputs.iter().map(|of| superpose(&coefficients, of, count)).collect();
+        let values: Vec<Vec<f64>> = (0..combinations)
+            .map(|k| {
+                let each = (0..length).flat_map(|i| sums.iter().map(move |sum| sum[k * length + i]));
+                let of: Vec<f64> = each.collect();
+                let found = formulas.map(|formula| (formula.values(), formula.of(&of, &thickness)));
+                (0..length).flat_map(|i| found.iter().flat_map(move |(c, v)| v[i * c..(i + 1) * c].to_vec())).collect()
+            })
+            .collect();
+        let mut bounds = vec![(vec![f64::NEG_INFINITY; length], vec![-1; length]); 2 * wanted.len()];
+        let envelopes = bounds
+            .chunks_exact_mut(2)
+            .map(|pair| {
+                let (high, low) = pair.split_at_mut(1);
+                low[0].0.fill(f64::INFINITY);
+                let ((largest, largest_by), (smallest, smallest_by)) = (&mut high[0], &mut low[0]);
+                Envelope { largest, largest_by, smallest, smallest_by }
+            })
+            .collect();
+        let who: Vec<i64> = (0..combinations as i64).collect();
+        let (class, sums) = (vec![0; length], vec![false; combinations]);
+        let left_out = LeftOut { class: &class, sums: &sums, classes: 1 };
+        let inputs: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
+        let fields = Fields { formulas: &formulas, wanted: &wanted, thickness: &thickness };
+        let peaks = envelop(&coefficients, &inputs, &fields, &who, envelopes, left_out);
+        let of = |k: usize, i: usize, f: usize| values[k][i * 18 + wanted[f]];
+        for f in 0..wanted.len() {
+            let (largest, by) = &bounds[2 * f];
+            for i in 0..length {
+                assert_eq!(largest[i], (0..combinations).map(|k| of(k, i, f)).fold(f64::NEG_INFINITY, f64::max));
+                assert_eq!(
+                    bounds[2 * f + 1].0[i],
+                    (0..combinations).map(|k| of(k, i, f)).fold(f64::INFINITY, f64::min)
+                );
+                assert_eq!(of(by[i] as usize, i, f), largest[i]);
+            }
+            for (k, peak) in peaks[f].iter().enumerate() {
+                assert_eq!(peak.largest, (0..length).map(|i| of(k, i, f)).fold(f64::NEG_INFINITY, f64::max));
+                assert_eq!(peak.smallest, of(k, peak.smallest_at, f));
             }
         }
     }

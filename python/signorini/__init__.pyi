@@ -38,15 +38,15 @@ from signorini.singularities.singularity import Singularity
 # fmt: off
 __all__ = [
     "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Case", "Catalogue", "Certificate", "Check",
-    "CheckResult", "Circle", "ColumnResult", "Combination", "Contact", "ContactProblem", "Difference", "DiscPlate",
-    "EdgeCouples", "Estimate", "Estimates", "ExactPath", "FieldExtremes", "FieldTable", "Form", "Gamma", "Hole",
-    "InputError", "Lcp", "LcpSolution", "Load", "LoadPath", "Material", "Mesh", "MeshOptions", "MeshPlate", "Model",
-    "Modifiers", "Moving", "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output", "PathEstimate",
+    "CheckResult", "Circle", "ColumnResult", "Combination", "Contact", "ContactProblem", "Cover", "Difference",
+    "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath", "FieldExtremes", "FieldTable", "Form", "Gamma",
+    "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath", "Material", "Mesh", "MeshOptions", "MeshPlate",
+    "Model", "Modifiers", "Moving", "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output", "PathEstimate",
     "PathEvent", "PathStop", "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress",
-    "Punching", "RectanglePlate", "Refinement", "Report", "Result", "Results", "RowProblem", "Section",
-    "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult", "Stiffness", "Strip", "StripResult",
-    "Support", "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone", "__version__",
-    "check_results", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "report", "schema",
-    "solve", "tightened", "validate", "verify", "with_rows", "write",
+    "Punching", "RectanglePlate", "Refinement", "Reinforcement", "Report", "Result", "Results", "RowProblem",
+    "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult", "Stiffness", "Strip",
+    "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone",
+    "__version__", "check_results", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover",
+    "report", "schema", "solve", "tightened", "validate", "verify", "with_rows", "write",
 ]
 # fmt: on

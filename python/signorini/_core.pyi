@@ -33,6 +33,7 @@ __all__ = [
     "combine",
     "combined_cases",
     "envelop",
+    "evaluate",
     "lemke",
     "load_responses",
     "map_points",
@@ -95,15 +96,17 @@ def solution_stresses(
 def superpose(coefficients: _Floats, vectors: _Floats) -> _Floats: ...
 def envelop(
     coefficients: _Floats,
-    vectors: _Floats,
+    inputs: Sequence[_Floats],
+    formulas: Sequence[str],
+    wanted: Sequence[int],
+    thickness: _Floats,
+    bars: Sequence[float],
     who: _Ints,
-    largest: _Floats,
-    largest_by: _Ints,
-    smallest: _Floats,
-    smallest_by: _Ints,
+    bounds: Sequence[tuple[_Floats, _Ints, _Floats, _Ints]],
     classes: _Ints,
     left_out: _Bools,
 ) -> tuple[_Floats, _Ints]: ...
+def evaluate(name: str, inputs: _Floats, thickness: _Floats, bars: Sequence[float]) -> _Floats: ...
 
 @final
 class LcpSolution:

@@ -36,7 +36,7 @@ from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import DESIGN_MOMENTS, SIDES, Key, Number, Path, place_of
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, SIDES, Key, Number, Path, place_of
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -152,7 +152,8 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
         path: Path = (name_of_field,) if name_of_field == "deflection" else ("fields", name_of_field)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
             width = numbers[(*path, name)]
-            near = points[np.flatnonzero(np.abs(result.fields[name_of_field] - value) <= 2.0 * (width or 0.0))]
+            away = np.abs(np.nan_to_num(result.fields[name_of_field]) - np.nan_to_num(value))
+            near = points[np.flatnonzero(away <= 2.0 * (width or 0.0))]
             far = rounded(np.abs(near - at).max(axis=0, initial=0.0) + spacing).tolist()
             for axis in (0, 1):
                 values[(*path, f"{name}_at", axis)] = None if width is None else far[axis]
@@ -227,6 +228,7 @@ def compared(
     ``probes`` (q, 2) are positions. ``named`` are the singularities of the supports and of each load case, with masks
     (k,) of the results in which they act. Only numbers near a singularity in ``named`` can be without limit.
     """
+    values = np.where(np.isinf(values), np.nan, values)
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]
     sizes = sizes_of(own, numbers, model, mesh)
@@ -338,16 +340,22 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero."""
+    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero.
+
+    The half-width of the reinforcement for such a moment is unknown.
+    """
     for row, one in enumerate(numbers):
-        if one.home != "probe" or one.quantity.name not in DESIGN_MOMENTS:
+        name = REINFORCEMENT.get(one.quantity.name, one.quantity.name)
+        if one.home != "probe" or name not in DESIGN_MOMENTS:
             continue
         direct, twist = (rows.get((one.home, one.owner, name)) for name in one.quantity.parents)
         if direct is None or twist is None:
             continue
-        sign = DESIGN_MOMENTS[one.quantity.name]
+        sign = DESIGN_MOMENTS[name]
         reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
-        widths[row] = np.where(values[row] == 0.0, np.fmax(widths[row], reach), widths[row])
+        if name != one.quantity.name:
+            reach = np.where(reach > 0.0, np.nan, 0.0)  # at least the minimum reinforcement, at an unknown depth
+        widths[row] = np.where(values[row] == 0.0, np.maximum(widths[row], reach), widths[row])
 
 
 def known(width: float) -> float | None:

@@ -275,10 +275,11 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
 
 
 def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> dict[str, Floats]:
-    """Stresses that the largest moment and the largest shear cause at the thinnest part of the plate."""
+    """Stresses and reinforcement for the largest moment and the largest shear at the thinnest part of the plate."""
     thickness = float(sections_at(model, mesh.points)[0].min())
     stress, shear = 6.0 * np.asarray(sizes["moment"]) / thickness**2, 1.5 * np.asarray(sizes["shear"]) / thickness
-    return {"stress": stress, "shear_stress": shear}
+    bars = 0.0 * stress if model.bars is None else stress * thickness / (6.0 * model.bars.yield_stress)
+    return {"stress": stress, "shear_stress": shear, "reinforcement": bars}
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:

@@ -20,7 +20,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.model.whole import supports_and_loads
-from signorini.results.quantities import DESIGN_MOMENTS, RESULTANTS, Key
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, RESULTANTS, Key
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
 
@@ -134,6 +134,11 @@ def unseen_at_edges(
         for face in ("top", "bottom"):
             missed |= {f"{name}_{face}": bending * direct for name in ("sx", "sy")}
             missed[f"txy_{face}"] = bending * twisting
+        for number, name in enumerate(REINFORCEMENT if model.bars else ()):
+            assert model.bars is not None
+            depth = solid - model.bars[number]
+            # The lever arm of the bars is at least 0.8 of their depth.
+            missed[name] = (direct + twisting) / (0.8 * model.bars.yield_stress * depth)
         missed |= {"txz": shearing * missed["qx"], "tyz": shearing * missed["qy"]}
         result |= {("probe", number, name): part for name, part in missed.items()}
     return result

@@ -34,6 +34,7 @@ from signorini.results.quantities import (
     MEAN_SIDES,
     MEANS,
     OF_SHEAR,
+    REINFORCEMENT,
     RESULTANTS,
     THROUGH,
     place_of,
@@ -374,7 +375,7 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
     means = list[MeanRow]()
-    for name in RESULTANTS:
+    for name in (*RESULTANTS, *(name for name in REINFORCEMENT if name in result.extremes)):
         values, cells, kind = result.extremes[name], [], FIELDS[name].kind
         for side, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]

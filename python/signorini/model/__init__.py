@@ -25,6 +25,7 @@ from signorini.model.plate import (
 )
 from signorini.model.punching import Punching
 from signorini.model.report import Report
+from signorini.model.reinforcement import Cover, Reinforcement
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -36,5 +37,9 @@ __all__ = [
     "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
     "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Report", "Section", "Solver", "Stiffness",
     "Strip", "Support", "Tightening", "Units", "Zone", "validate",
+    "Cover", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
+    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
+    "RectanglePlate", "Refinement", "Reinforcement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
+    "Units", "Zone", "validate",
 ]
 # fmt: on

@@ -40,10 +40,11 @@ _FIELDS_OPTIONS = ("governing", "all", "none")
 
 _Forces = Literal["deflection", "mx", "my", "mxy", "qx", "qy", "m1", "m2"]
 _Design = Literal["mx_bottom", "my_bottom", "mx_top", "my_top"]
+_Bars = Literal["as_x_bottom", "as_y_bottom", "as_x_top", "as_y_top"]
 _Stresses = Literal[
     "sx_top", "sy_top", "txy_top", "sx_bottom", "sy_bottom", "txy_bottom", "von_mises", "txz", "tyz"
 ]  # fmt: skip
-EnvelopeField = Literal[_Forces, _Design, _Stresses]
+EnvelopeField = Literal[_Forces, _Design, _Bars, _Stresses]
 ENVELOPED: tuple[EnvelopeField, ...] = ("deflection", "mx", "my", "mxy", "qx", "qy")
 
 

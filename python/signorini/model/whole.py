@@ -26,6 +26,7 @@ from pydantic_core import PydanticCustomError
 from signorini.base.arguments import checked
 from signorini.base.provenance import Provenance
 from signorini.design.combining import count
+from signorini.design.en1992_bending import Bars
 from signorini.errors import InputError, Place, unknown
 from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
@@ -40,6 +41,7 @@ from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.punching import ColumnAt, Punching, columns_of
 from signorini.model.report import Report
+from signorini.model.reinforcement import Reinforcement
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
@@ -195,6 +197,9 @@ class Model(Table):
     punching: tuple[Punching, ...] = Field(default=(), description="Columns that are checked for punching.")
     check: Annotated[tuple[Check, ...], AfterValidator(_named)] = Field(
         default=(), description="Checks of fields and numbers against limits."
+    )
+    reinforcement: Reinforcement | None = Field(
+        default=None, description="Code, strengths and positions of bars, for the required reinforcement."
     )
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
@@ -386,6 +391,17 @@ class Model(Table):
         slots = tuple(tuple(Choice(name, name, 1.0) for name in names) for names in self.positions.values())
         return Combinations((Product("all", tuple((case, 1.0) for case in self.load_cases), slots),))
 
+    @cached_property
+    def bars(self) -> Bars | None:
+        """Section of reinforced concrete, which the required reinforcement needs; None without [reinforcement]."""
+        units, own = self.units, self.reinforcement
+        return None if own is None else own.section(units.length, units.force)
+
+    @property
+    def at_faces(self) -> bool:
+        """Whether bars at columns are designed for mean moments, see `Reinforcement.face`."""
+        return self.reinforcement is not None and self.reinforcement.face
+
     @property
     def tabulated(self) -> bool:
         """Whether combinations are rows of a table, so that only some have full results."""
@@ -420,6 +436,18 @@ class Model(Table):
         for index, check in enumerate(self.check):
             complaints = check.complaints_of(cases, self.effective_combinations)
             yield from ((("check", index, *path), message) for path, message in complaints)
+        yield from self._reinforcement_complaints()
+
+    def _reinforcement_complaints(self) -> Iterator[Complaint]:
+        if self.reinforcement is not None:
+            found = self.reinforcement.complaints_in(self.units.length, self.units.force)
+            yield from ((("reinforcement", *place), message) for place, message in found)
+            if self.at_faces and self.plates:
+                yield ("reinforcement", "face"), "face is for one plate; remove it, and use the means at columns."
+            return
+        for position, name in enumerate(self.output.envelope):
+            if name.startswith("as_"):
+                yield ("output", "envelope", position), f'"{name}" needs [reinforcement].'
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""

@@ -163,7 +163,11 @@ class _Shown:
             if one.what == "gap" and (side == "min" or not envelope.open_in[one.owner][one.part]):
                 continue
             at, value = _at(result, path), getattr(envelope[one.column], side[:3])
-            at |= {side: None, f"{side}_by": None} if row == NONE else {side: value, f"{side}_by": results.key(row)}
+            at |= (
+                {side: None, f"{side}_by": None}
+                if row == NONE
+                else {side: None if np.isinf(value) else value, f"{side}_by": results.key(row)}
+            )
             if one.home in ("field", "mean"):
                 place = envelope.places[one.owner, ENDS.index(side)].tolist()
                 at[f"{side}_at"] = None if row == NONE else place

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from signorini.analysis.results import Results
 from signorini.model import Model
+from signorini.results.quantities import REINFORCEMENT
 from signorini.results.result import Result
 from signorini.results.support_result import areas_below, lines_below
 
@@ -22,18 +23,20 @@ PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
 DEFORMED, PRESSURE, MOMENTS, SHEARS, REACTIONS = "-deformed", "-pressure", "-moments", "-shears", "-reactions"
+BARS = "-reinforcement"
 """Suffixes that a picture's file name has after the combination's name; a picture of deflections has none."""
 PICTURES = {
     "": ("deflection",),
     DEFORMED: ("deflection",),
     MOMENTS: ("mx", "my", "mxy"),
     SHEARS: ("qx", "qy"),
+    BARS: tuple(REINFORCEMENT),
     PRESSURE: ("pressure",),
     REACTIONS: (),
 }
 """Fields that a picture shows, by the suffix of its name; pictures of reactions show diagrams along lines."""
 _KINDS = {"": "picture", DEFORMED: "deformed", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
-_KINDS |= {REACTIONS: "line reactions"}
+_KINDS |= {REACTIONS: "line reactions", BARS: "reinforcement"}
 Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
 """Names of the combinations that have pictures. None: all combinations if there are at most `_FEW`, else the governing
@@ -154,6 +157,7 @@ def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
     """Fields of every picture of a combination, by the picture's suffix; pressures only if an area support exists."""
     without = set() if areas_below(result.supports) else {PRESSURE}
     without |= set() if lines_below(result.supports) else {REACTIONS}
+    without |= set() if result.model.bars else {BARS}
     return {ending: fields for ending, fields in PICTURES.items() if ending not in without}
 
 

@@ -34,6 +34,7 @@ from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Envelope
 from signorini.results.marks import (
     discs,
+    drawable,
     enveloped_diagram,
     extreme,
     field_range,
@@ -105,7 +106,9 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
                 panels = [panel(field, one, widths, limit) for field, limit in limits.items()]
                 pictures.append(Picture(panels, marks, one.heading))
             files = [f"{slug}{ending}.png" for _, slug, _ in those]
-            yield _views(files, pictures, [one for one, *_ in those]) if ending == DEFORMED else Sheet(files, pictures)
+            rows = 1 + (len(fields) > _ACROSS)
+            views = ending == DEFORMED
+            yield _views(files, pictures, [one for one, *_ in those]) if views else Sheet(files, pictures, rows=rows)
 
 
 def _diagrams(result: Result, estimates: Estimates | None, marks: Sequence[SupportMark]) -> Picture:
@@ -158,9 +161,10 @@ def _envelope_sheets(results: Results, estimates: Estimates | None, plate: OfWho
                     ends, at = envelope.field(of), envelope.places_of(of)[end].tolist()
                     value, by = (ends.min, ends.min_by) if end else (ends.max, ends.max_by)
                     said, above = _said(results, estimates, f"{SIDES[end]}:{of}", SIDES[end], value, by)
-                    shown = result.stress_nodes.spread(getattr(at_nodes[field], side))
+                    shown = drawable(result.stress_nodes.spread(getattr(at_nodes[field], side)))
                     label = f"{side} {PICTURED[field].label(result.model.units)}"
-                    limits, singular = (ends.min, ends.max), PICTURED[field].singular
+                    most, singular = drawable(at_nodes[field].largest).max(), PICTURED[field].singular
+                    limits = min(ends.min, most), min(ends.max, most)
                     hatched = discs(excluding(result, singular, cases) if field in PEAKING else ())
                     map_of = KINDS[PICTURED[field].kind].colours
                     panels.append(Panel(shown, limits, label, map_of, [(said, at)], above, hatched))
@@ -199,6 +203,8 @@ def _said(
     return extreme(end, value, told, width), f"{end}: {cut}"
 
 
+_ACROSS = 3
+"""Largest number of panels side by side."""
 _PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Generic, TypeVar
 
@@ -14,12 +14,13 @@ from signorini import _core
 from signorini.base.arguments import key_of
 from signorini.base.remade import Brief, Remade
 from signorini.contact.problem import ContactProblem
+from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
 from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.results.quantities import ENDS, PEAKING, SIDES, Home
+from signorini.results.quantities import ENDS, PEAKING, SIDES, FieldGroup, Home
 from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
 
@@ -116,15 +117,31 @@ class Extremes:
         )
         return int(high), int(low)
 
+    @staticmethod
     def take_sums(
-        self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
+        each: Sequence[Extremes],
+        fields: FieldGroup,
+        coefficients: Floats,
+        inputs: Sequence[Floats],
+        thickness: Floats,
+        bars: Bars | None,
+        who: Ints,
+        classes: Ints,
+        left_out: Bools,
     ) -> tuple[Floats, Ints]:
-        """Extend the extremes by sums of vectors (b, n) with coefficients (k, b), of results ``who`` (k,).
+        """Extend the extremes ``each`` of several fields by k results ``who`` (k,), which are sums.
 
-        Returns the extremes (k, 2) of each sum over the nodes, and the nodes (k, 2) that have them. ``classes`` (n,) is
-        the class of each node; ``left_out`` (k, c) marks the classes that are excluded in each sum.
+        The inputs of the fields' formulas are sums of ``inputs`` (b, n) with coefficients (k, b), thickness (n,) and
+        `Model.bars`. Returns the extremes (f, k, 2) of each field and sum over the nodes, and the nodes (f, k, 2) that
+        have them. ``classes`` (n,) is the class of each node; ``left_out`` (k, c) marks the classes that are excluded
+        in each sum.
         """
-        return _core.envelop(coefficients, vectors, who, *self.sides[0], *self.sides[1], classes, left_out)
+        bounds = [(*one.sides[0], *one.sides[1]) for one in each]
+        of = coefficients, inputs, fields.formulas, fields.wanted, thickness, bars or ()
+        peaks, places = _core.envelop(*of, who, bounds, classes, left_out)
+        # If every value is NaN, no value exceeds minus infinity.
+        peaks[np.isneginf(peaks[..., 0])] = np.nan
+        return peaks, places
 
 
 @dataclass(frozen=True)
@@ -311,7 +328,8 @@ def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
-    """Largest magnitude (n,) over k results of all numbers that have the same kind as each number."""
+    """Largest finite magnitude (n,) over k results of all numbers that have the same kind as each number."""
+    values = np.where(np.isinf(values), 0.0, values)
     number_of = {kind: number for number, kind in enumerate(dict.fromkeys(kinds))}
     which = np.array([number_of[kind] for kind in kinds], np.int64)
     largest = np.zeros(len(number_of))

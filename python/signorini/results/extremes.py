@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
-from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, TOLD, derived
+from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, derived
 from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity, away_from
@@ -102,18 +103,19 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
-"""Indices of the lines of `Beside` with means of a field, by the first part of its name. Other moments have both lines
+_LINES |= {"as_x": [0], "as_y": [1]}
+"""Indices of the lines of `Beside` with means of a field, by its name without the face. Other moments have both lines
 through the point.
 """
 
 
-def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
+def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools, bars: Bars | None) -> tuple[Floats, Ints]:
     """Return the largest and the smallest mean (..., 2) of a field, and the indices (..., 2) of their points.
 
     ``means`` (..., k, 10) are as in `means_of`; ``acting`` (..., k) marks the points that are singular. Derived fields
-    are computed from the means. Without a singular point the values are NaN and the indices 0.
+    are computed from the means, with `Model.bars`. Without a singular point the values are NaN and the indices 0.
     """
-    peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
+    peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.rsplit("_", 1)[0], [0, 1])
     moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
     if peaks:
         shear = np.repeat(shear[..., lines, :], 2, axis=-1)
@@ -124,7 +126,7 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[
     if name in LINEAR:
         values = np.concatenate([moment, shear], axis=-1)[..., RESULTANTS.index(name)]
     else:
-        values = derived([name], moment, shear, np.broadcast_to(thickness, moment.shape[:-1]))[..., 0]
+        values = derived([name], moment, shear, thickness, bars)[..., 0]
     values = np.where((acting & beside.numbers[:, peaks])[..., None], values, np.nan).reshape(*means.shape[:-2], -1)
     if not len(beside):
         return np.full((*values.shape[:-1], 2), np.nan), np.zeros((*values.shape[:-1], 2), np.int64)
@@ -135,14 +137,17 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[
 
 
 def extremes(
-    fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity], means: Means | None
+    names: Sequence[str],
+    fields: Mapping[str, Floats],
+    nodes: StressNodes,
+    singular: Sequence[Singularity],
+    means: Means | None,
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of the deflection, and of fields of moments and shears outside singular places.
+    """Find the extremes of the deflection, and of fields ``names`` of moments and shears outside singular places.
 
     Extremes of means are those over the singular points.
     """
-    told = [name for name in FIELDS if name in TOLD and name in fields]
-    numbers = {name: FIELDS[name].singular if name in PEAKING else "" for name in told}
+    numbers = {name: FIELDS[name].singular if name in PEAKING else "" for name in names}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
     result = {
         name: FieldExtremes.of(fields[name], nodes, away[number], singular, number) for name, number in numbers.items()
@@ -174,17 +179,18 @@ class Means:
     beside: Beside
     values: Floats
     acting: Bools
+    bars: Bars | None
 
     @classmethod
     def of(cls, discretisation: Discretisation, moment: Floats, shear: Floats, cases: Collection[str]) -> Means:
         """Compute the means of one plate from moments (s, 3) and shears (s, 2) at the stress nodes."""
         beside = beside_of(discretisation)
-        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases))
+        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases), discretisation.model.bars)
 
     def ends(self, name: str) -> dict[str, Any]:
         """Extremes of a field's means with positions and widths, as arguments of `FieldExtremes`."""
         result = dict[str, Any]()
-        values, places = mean_ends(name, self.values, self.beside, self.acting)
+        values, places = mean_ends(name, self.values, self.beside, self.acting, self.bars)
         for side, value, place in zip(MEAN_SIDES, values.tolist(), places.tolist(), strict=True):
             if not math.isnan(value):
                 at = tuple(self.beside.places[place].tolist())

@@ -43,9 +43,9 @@ def _of_plate(result: Result) -> dict[str, Any]:
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
-    """Write the numbers (n,) of a catalogue at their paths into a tree of dicts and lists; NaN becomes None."""
+    """Write the numbers (n,) of a catalogue at their paths into a tree of dicts and lists; None if not finite."""
     for one, value in zip(catalogue, values.tolist(), strict=True):
-        shown = None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
+        shown = None if not np.isfinite(value) else int(value) if one.quantity.kind == "count" else value
         at: Any = tree
         for key, after in zip(one.path, one.path[1:], strict=False):
             at = at.setdefault(key, [] if isinstance(after, int) else {}) if isinstance(key, str) else at[key]

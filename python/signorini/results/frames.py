@@ -55,7 +55,8 @@ def dataset(results: Mapping[str, ResultState]) -> Any:
     first = next(iter(results.values()))
     units, nodes = first.model.units, first.stress_nodes
     variables: dict[str, Any] = {}
-    for name, quantity in FIELDS.items():
+    for name in first.fields:
+        quantity = FIELDS[name]
         values = np.stack([nodes.spread(one.fields[name]) for one in results.values()])
         variables[name] = (
             ("combination", "node"),

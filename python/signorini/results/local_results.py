@@ -8,14 +8,19 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from signorini.base.on_demand import Listed
+from signorini.base.on_demand import Listed, kept
+from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.stressnodes import StressNodes
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.stressnodes import Sides, StressNodes
 from signorini.mesh import Location, Mesh
 from signorini.model.output import Profile
 from signorini.results.contact_field.area_contact import AreaContact, without_shared_borders
-from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
+from signorini.results.quantities import PRESSURE, along_strips, derived
+
+_FACES = ("top", "bottom")
+_ALONG = 1e-6
+"""Largest component across an axis of the unit tangent of a strip along this axis."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,8 @@ class ProbeResult:
     thickness : float
         Thickness of a solid plate; at a jump, of the thinner side. NaN if the input gives a stiffness in place of a
         solid section.
+    bars : Bars or None
+        Section of reinforced concrete; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -44,6 +51,7 @@ class ProbeResult:
     pressure: float | None
 
     thickness: float
+    bars: Bars | None = None
 
     @property
     def principal_moment(self) -> tuple[float, float, float]:
@@ -54,17 +62,34 @@ class ProbeResult:
         >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None, 1.0).principal_moment
         (4.0, 2.0, 45.0)
         """
-        m1, m2, angle = principal_moments(np.array(self.moment)).tolist()
+        m1, m2, angle = self._derived("m1", "m2", "m_angle")
         return m1, m2, angle
 
     @property
     def design_moment(self) -> dict[str, tuple[float, float]]:
         """Moments for which reinforcement along x and y is designed: "bottom" ≥ 0, "top" ≤ 0.
 
-        They follow from `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
+        They are those of R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*,
+        Concrete 2 (1968), and G. S. T. Armer, discussion of this paper.
         """
-        bottom_x, bottom_y, top_x, top_y = design_moments(np.array(self.moment)).tolist()
-        return {"bottom": (bottom_x, bottom_y), "top": (top_x, top_y)}
+        return self._at_faces("mx", "my")
+
+    @property
+    def reinforcement(self) -> dict[str, tuple[float, float]] | None:
+        """Required reinforcement along x and y at "bottom" and "top", area per length; None without [reinforcement].
+
+        It is infinite where the section cannot resist the design moment.
+        """
+        return self._at_faces("as_x", "as_y") if self.bars else None
+
+    def _at_faces(self, x: str, y: str) -> dict[str, tuple[float, float]]:
+        a, b, c, d = self._derived(*(f"{name}_{face}" for face in ("bottom", "top") for name in (x, y)))
+        return {"bottom": (a, b), "top": (c, d)}
+
+    def _derived(self, *names: str) -> list[float]:
+        moment, shear, thickness = np.array(self.moment), np.array(self.shear), np.array(self.thickness)
+        values: list[float] = derived(names, moment, shear, thickness, self.bars).tolist()
+        return values
 
     @property
     def stress(self) -> dict[str, tuple[float, ...]]:
@@ -77,22 +102,21 @@ class ProbeResult:
         >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 0.0, 0.0), (0, 4.0), None, 2.0).stress["bottom"]
         (4.5, 0.0, 0.0)
         """
-        thickness = np.array(self.thickness)
-        values = face_stresses(np.array(self.moment), thickness).tolist()
-        shear = shear_stresses(np.array(self.shear), thickness).tolist()
-        return {
-            "top": tuple(values[:3]),
-            "bottom": tuple(values[3:6]),
-            "von_mises": tuple(values[6:]),
-            "shear": tuple(shear),
-        }
+        at = {face: tuple(self._derived(*(f"{name}_{face}" for name in ("sx", "sy", "txy")))) for face in _FACES}
+        mises, shear = self._derived("von_mises", "von_mises_bottom"), self._derived("txz", "tyz")
+        return at | {"von_mises": tuple(mises), "shear": tuple(shear)}
 
 
-def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,)."""
+def probe_results(
+    positions: Floats, fields: Floats, pressures: Floats, thickness: Floats, bars: Bars | None
+) -> tuple[ProbeResult, ...]:
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,).
+
+    ``bars`` are `Model.bars`.
+    """
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
     return tuple(
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
+        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h, bars)
         for (x, y), v, p, h in zip(*columns, strict=True)
     )
 
@@ -220,6 +244,11 @@ class StationResult:
         Width of the strip on the plate at the station; holes are subtracted.
     moment, twist, shear : float
         Means per length of mnn, mns and qn; n is along the strip, s to its left.
+    design_moment : dict
+        Moments for which reinforcement along the strip is designed: "bottom" ≥ 0, "top" ≤ 0.
+    reinforcement : dict or None
+        Required reinforcement along the strip at "bottom" and "top", area per length, NaN for strips that are not along
+        x or y; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -227,6 +256,8 @@ class StationResult:
     moment: float
     twist: float
     shear: float
+    design_moment: dict[str, float]
+    reinforcement: dict[str, float] | None
 
 
 @dataclass(frozen=True)
@@ -269,13 +300,48 @@ class SectionsAndStrips(TypedDict):
     strips: Listed[StripResult]
 
 
+_ACROSS = 9
+"""Number of points across a strip at which its thickness is sought."""
+
+
+@kept
+def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
+    """Least thickness (c,) across the strips of one plate at their stations, and axis of the strip there.
+
+    The axis is 0 for x, 1 for y, −1 for other directions. The thickness is NaN where the section is given by its
+    stiffness.
+    """
+    nodes, strips = discretisation.stress_nodes, discretisation.model.strip
+    ends = np.array([ends for strip in strips for ends in strip.across]).reshape(-1, 2, 2)
+    part = np.linspace(0.01, 0.99, _ACROSS)[:, None]
+    points = (ends[:, :1] + part * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
+    point, where = nodes.mesh.holding(points)
+    thickness = np.full(len(ends), np.inf)
+    np.minimum.at(thickness, point // _ACROSS, nodes.at(Sides(point, where), discretisation.node_thickness))
+    tangent = np.abs(np.concatenate([np.zeros((0, 2)), *(strip.places[1] for strip in strips)]))
+    return thickness, np.where(tangent[:, 1] < _ALONG, 0, np.where(tangent[:, 0] < _ALONG, 1, -1))
+
+
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
     """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]
     strips = []
+    means, bars = through.reshape(-1, 3)[len(sections) :], discretisation.model.bars
+    faces = {
+        what: along_strips(what, means, *strip_sections(discretisation), bars).tolist()
+        for what in (f"{name}_{face}" for name in (("moment", "as") if bars else ("moment",)) for face in _FACES)
+    }
+    number = 0
     for strip in discretisation.model.strip:
-        at = strip.places[0].tolist()
-        strips.append(StripResult(strip.name, tuple(StationResult((x, y), *next(values)) for x, y in at)))
+        stations = []
+        for x, y in strip.places[0].tolist():
+            moment, required = (
+                {face: of[number] for face in _FACES if (of := faces.get(f"{name}_{face}"))}
+                for name in ("moment", "as")
+            )
+            stations.append(StationResult((x, y), *next(values), moment, required or None))
+            number += 1
+        strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

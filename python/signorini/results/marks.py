@@ -424,8 +424,8 @@ def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> 
 def field_range(field: str, result: ResultState) -> tuple[float, float]:
     """Smallest and largest value of a field outside singular places; the range of pressures includes 0."""
     if field != PRESSURE.name:
-        ends = _ends(field, result)
-        return ends.min, ends.max
+        ends, most = _ends(field, result), drawable(result.fields[field]).max()
+        return min(ends.min, most), min(ends.max, most)
     ranges = [area.range for area in areas_below(result.supports)]
     return min(low for low, _ in ranges), max(high for _, high in ranges)
 
@@ -454,7 +454,13 @@ def panel(
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
     hatched = discs(result.excluding(of.singular) if field in PEAKING else ())
-    return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named, hatched=hatched)
+    shown = drawable(result.stress_nodes.spread(result.fields[field]))
+    return Panel(shown, limits, label, map_of, named, hatched=hatched)
+
+
+def drawable(values: Floats) -> Floats:
+    """Values (n,) with the largest finite value in place of infinite values, which no contour can show."""
+    return np.where(np.isinf(values), values[np.isfinite(values)].max(initial=0.0), values)
 
 
 def discs(excluded: Iterable[Singularity]) -> Floats:

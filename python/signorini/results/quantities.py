@@ -7,67 +7,22 @@ of a number is the kind of its owner: a field, a support, a probe and so on.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
+from signorini import _core
 from signorini.base.remade import short
+from signorini.design.en1992_bending import Bars
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, unknown
 from signorini.model import Check, Model, Support
 from signorini.model.check import OVERTURNING
 from signorini.model.whole import Units
-
-
-def principal_moments(moment: Floats) -> Floats:
-    """Principal moments m1 ≥ m2, and the angle from x to the direction of m1, from mx, my, mxy (..., 3).
-
-    The angle is in degrees, positive towards y.
-    """
-    mx, my, mxy = np.moveaxis(moment, -1, 0)
-    middle, radius = 0.5 * (mx + my), np.hypot(0.5 * (mx - my), mxy)
-    return np.stack([middle + radius, middle - radius, np.degrees(0.5 * np.arctan2(2 * mxy, mx - my))], axis=-1)
-
-
-def design_moments(moment: Floats) -> Floats:
-    """Moments for which reinforcement is designed: bottom x and y ≥ 0, top x and y ≤ 0, from mx, my, mxy (..., 3).
-
-    R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2 (1968); G.
-    S. T. Armer, discussion of this paper.
-    """
-    mx, my, mxy = np.moveaxis(moment, -1, 0)
-    return np.stack([*_sagging(mx, my, mxy), *(0.0 - one for one in _sagging(-mx, -my, mxy))], axis=-1)
-
-
-def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
-    """Design moments of the bars along x and along y at the bottom; 0 where the bars along the other axis suffice."""
-    x, y, twist = mx + np.abs(mxy), my + np.abs(mxy), mxy**2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        alone_x, alone_y = mx + twist / np.abs(my), my + twist / np.abs(mx)
-    of_x = np.where(x < 0, 0.0, np.where(y < 0, np.maximum(alone_x, 0.0), x))
-    of_y = np.where(y < 0, 0.0, np.where(x < 0, np.maximum(alone_y, 0.0), y))
-    return of_x, of_y
-
-
-def face_stresses(moment: Floats, thickness: Floats) -> Floats:
-    """Stresses (..., 8) at the faces of a solid plate, ∓6 m/h² at the top and the bottom, tension positive.
-
-    The order is σx, σy, τxy at the top; σx, σy, τxy at the bottom; von Mises' stress at the top and at the bottom.
-    """
-    bottom = 6.0 * moment / (thickness**2)[..., None]
-    x, y, xy = np.moveaxis(bottom, -1, 0)
-    mises = np.sqrt(np.maximum(x * x - x * y + y * y + 3.0 * xy * xy, 0.0))[..., None]
-    return np.concatenate([-bottom, bottom, mises, mises], axis=-1)
-
-
-def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
-    """Transverse shear stresses τxz, τyz (..., 2) at mid-depth of a solid plate, 3/2 q/h, from qx, qy (..., 2)."""
-    return np.asarray(1.5 * shear / thickness[..., None])
-
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
@@ -101,6 +56,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "shear": Kind(1, -1, "shear", "PRGn"),
         "stress": Kind(1, -2, "moment", "RdYlBu"),
         "shear_stress": Kind(1, -2, "shear", "PRGn"),
+        "reinforcement": Kind(0, 1, "moment", "RdGy"),
         "couple": Kind(1, 1),
         "force": Kind(1, 0),
         "reaction": Kind(1, 0, "reaction"),
@@ -146,6 +102,8 @@ class Quantity:
         if self.kind == "moment" and units.length and units.force:
             # Moments have the unit force × length per length of the section.
             return f"{units.force} {units.length}/{units.length}"
+        if self.kind == "reinforcement" and units.length:
+            return f"{units.length}²/{units.length}"
         return KINDS[self.kind].unit(units)
 
     def label(self, units: Units) -> str:
@@ -182,10 +140,25 @@ LINEAR = _by_name(
 
 @dataclass(frozen=True)
 class Derived:
-    """Fields that a formula computes: from moments (..., 3), shears (..., 2) and thickness (...) values (..., c)."""
+    """Fields that a formula computes from moments (..., 3), shears (..., 2) and thickness (...): values (..., c).
 
-    formula: Callable[[Floats, Floats, Floats], Floats]
+    ``formula`` is the name of a formula of the core, see `core/src/fields.rs`, or a function; only the core's formulas
+    have envelopes.
+    """
+
+    formula: str | Callable[[Floats, Floats, Floats], Floats]
     quantities: tuple[Quantity, ...]
+    inputs: tuple[str, ...] = ("mx", "my", "mxy")  # names of the fields that a formula of the core reads
+    of_bars: bool = False  # whether `Reinforcement.face` replaces moments at columns by means
+
+    def values(self, moment: Floats, shear: Floats, thickness: Floats, bars: Bars | None) -> Floats:
+        """Values (..., c); ``bars`` are `Model.bars`."""
+        if not isinstance(self.formula, str):
+            return self.formula(moment, shear, thickness)
+        inputs = np.ascontiguousarray(shear if self.inputs == ("qx", "qy") else moment, np.float64)
+        shape, of = inputs.shape[:-1], inputs.reshape(-1, inputs.shape[-1])
+        depth = np.array(np.broadcast_to(thickness, shape), np.float64).ravel()
+        return _core.evaluate(self.formula, of, depth, bars or ()).reshape(*shape, len(self.quantities))
 
 
 def _of_face(face: str) -> Iterator[Quantity]:
@@ -195,20 +168,21 @@ def _of_face(face: str) -> Iterator[Quantity]:
 
 DERIVED = (
     Derived(
-        lambda moment, shear, thickness: principal_moments(moment),
-        (
-            *(
-                Quantity(
-                    *(name, "moment", f"principal moment {name}", ("principal_moment", place), "principal_moment"),
-                    parents=("mx", "my", "mxy"),
-                )
-                for place, name in enumerate(("m1", "m2"))
-            ),
-            Quantity("m_angle", "angle", "angle of m1", ("principal_moment", 2), tabled=False, enveloped=False),
+        "principal",
+        tuple(
+            Quantity(
+                *(name, "moment", f"principal moment {name}", ("principal_moment", place), "principal_moment"),
+                parents=("mx", "my", "mxy"),
+            )
+            for place, name in enumerate(("m1", "m2"))
         ),
     ),
     Derived(
-        lambda moment, shear, thickness: design_moments(moment),
+        "angle",
+        (Quantity("m_angle", "angle", "angle of m1", ("principal_moment", 2), tabled=False, enveloped=False),),
+    ),
+    Derived(
+        "design",
         tuple(
             Quantity(
                 f"m{axis}_{face}",
@@ -221,9 +195,10 @@ DERIVED = (
             for face in ("bottom", "top")
             for place, axis in enumerate("xy")
         ),
+        of_bars=True,
     ),
     Derived(
-        lambda moment, shear, thickness: face_stresses(moment, thickness),
+        "face",
         (
             *_of_face("top"),
             *_of_face("bottom"),
@@ -240,11 +215,28 @@ DERIVED = (
         ),
     ),
     Derived(
-        lambda moment, shear, thickness: shear_stresses(shear, thickness),
+        "shear",
         (
             Quantity("txz", "shear_stress", "shear stress τxz", ("stress", "shear", 0), "shear stress"),
             Quantity("tyz", "shear_stress", "shear stress τyz", ("stress", "shear", 1), "shear stress"),
         ),
+        ("qx", "qy"),
+    ),
+    Derived(
+        "steel",
+        tuple(
+            Quantity(
+                f"as_{axis}_{face}",
+                "reinforcement",
+                f"required As along {axis} at the {face}",
+                ("as", face, place),
+                f"as {face}",
+                parents=(f"m{axis}", "mxy"),
+            )
+            for face in ("bottom", "top")
+            for place, axis in enumerate("xy")
+        ),
+        of_bars=True,
     ),
 )
 """Fields that are computed from moments, shears and thickness."""
@@ -253,18 +245,18 @@ DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
     {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
 )
 """Sign of each design moment: +1 for reinforcement at the bottom, −1 at the top."""
+REINFORCEMENT: Mapping[str, str] = MappingProxyType({f"as_{name[1:]}": name for name in DESIGN_MOMENTS})
+"""Design moment of each field of required reinforcement."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
 """Every field at the nodes, by name."""
+OF_BARS = frozenset(one.name for of in DERIVED if of.of_bars for one in of.quantities)
+"""Names of the fields that are for the design of bars."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
 """Fields whose extremes exclude singular places, by name. Singular deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
 """Names of moments and shears: mx, my, mxy, qx, qy."""
-TOLD = ("deflection", *PEAKING)
-"""Names of the fields whose extremes are in every result: the deflection, and moments, shears and fields derived from
-these.
-"""
 PRESSURE = Quantity("pressure", "pressure", "contact pressure, positive up", tabled=False, enveloped=False)
 PICTURED = {**FIELDS, PRESSURE.name: PRESSURE}
 """Quantities that pictures and profiles can show, by name."""
@@ -272,6 +264,18 @@ AT_PROBES: tuple[Quantity, ...] = tuple(
     one if one.name == "deflection" else replace(one, along_paths=False)
     for one in (*LINEAR.values(), PRESSURE, *(one for of in DERIVED for one in of.quantities))
 )
+
+
+def in_model(model: Model, quantities: Iterable[Quantity]) -> tuple[Quantity, ...]:
+    """Those of ``quantities`` that a model has; the required reinforcement needs [reinforcement]."""
+    return tuple(one for one in quantities if one.kind != "reinforcement" or model.bars)
+
+
+def with_extremes(model: Model) -> tuple[str, ...]:
+    """Names of the fields whose extremes are in a result: the deflection, and moments, shears and derived fields."""
+    return ("deflection", *(one.name for one in in_model(model, PEAKING.values())))
+
+
 OF_SUPPORTS = (
     Quantity("reaction", "reaction", "reaction, total, positive up"),
     Quantity("closed", "count", "closed, number of points", enveloped=False),
@@ -334,8 +338,16 @@ MEANS = (
     Quantity("moment", "moment", "moment, mean of mₙₙ"),
     Quantity("twist", "moment", "twist, mean of mₙₛ"),
     Quantity("shear", "shear", "shear, mean of qₙ"),
+    *(
+        Quantity(f"{name}_{face}", kind, f"{words} along the strip at the {face}", (key, face))
+        for name, kind, words, key in (
+            ("moment", "moment", "design moment", "design_moment"),
+            ("as", "reinforcement", "required As", "as"),
+        )
+        for face in ("bottom", "top")
+    ),
 )
-"""Means of moment, twist and shear across a strip at its stations."""
+"""Means of moment, twist and shear across a strip at its stations, and what bars along the strip need for them."""
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
@@ -401,13 +413,23 @@ SMOOTH = frozenset(
 """Names of quantities that are not linear in the load, even while the contact state does not change."""
 
 
-def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats) -> Floats:
-    """Values (..., f) of derived fields from moments (..., 3), shears (..., 2) and thickness (...)."""
+def derived(
+    quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats, bars: Bars | None = None
+) -> Floats:
+    """Values (..., f) of derived fields from moments (..., 3), shears (..., 2) and thickness (...).
+
+    ``bars`` are `Model.bars`, which the required reinforcement needs.
+
+    Examples
+    --------
+    >>> derived(["m1", "m2", "m_angle"], np.array([3.0, 3.0, 1.0]), np.zeros(2), np.array(1.0)).tolist()
+    [4.0, 2.0, 45.0]
+    """
     result = np.empty((*moment.shape[:-1], len(quantities)))
     for of in DERIVED:
         names = [one.name for one in of.quantities]
         if wanted := [place for place, name in enumerate(quantities) if name in names]:
-            values = of.formula(moment, shear, thickness)
+            values = of.values(moment, shear, thickness, bars)
             result[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
     return result
 
@@ -417,6 +439,52 @@ def quantity_at(keys: Sequence[str]) -> Quantity | None:
     owner = next((key for key in reversed(keys) if key in BY_LIST), "")
     named = {key: one for one in BY_LIST[owner] for key in (one.path[0], one.name)}
     return next((named[key] for key in reversed(keys) if key in named), None)
+
+
+def along_strips(what: str, through: Floats, thickness: Floats, axis: Ints, bars: Bars | None) -> Floats:
+    """Design moments or required reinforcement (..., c) of bars along strips at c stations.
+
+    ``through`` (..., c, 3) are means of moment, twist and shear; the design moments are moment ± |twist|. ``axis`` (c,)
+    is 0 for strips along x, 1 along y; the reinforcement of other strips is NaN.
+    """
+    moment, twist, shear = through[..., 0], through[..., 1], np.zeros((*through.shape[:-1], 2))
+    quantity, face = what.split("_")
+    # With the moment |twist| across the strip, bars across it suffice at neither face.
+    along_x, along_y = (
+        np.stack([*pair, twist], axis=-1) for pair in ((moment, np.abs(twist)), (np.abs(twist), moment))
+    )
+    if quantity == "moment":
+        return derived([f"mx_{face}"], along_x, shear, thickness)[..., 0]
+    x, y = (
+        derived([f"as_{name}_{face}"], of, shear, thickness, bars)[..., 0]
+        for name, of in (("x", along_x), ("y", along_y))
+    )
+    return np.where(axis == 0, x, np.where(axis == 1, y, np.nan))
+
+
+class FieldGroup(NamedTuple):
+    """Fields whose envelopes are computed together: ``names``, values number ``wanted`` of all ``formulas``."""
+
+    names: tuple[str, ...]
+    inputs: tuple[str, ...]
+    formulas: tuple[str, ...]
+    wanted: tuple[int, ...]
+    of_bars: bool = False
+
+
+def field_groups(fields: Iterable[str]) -> Iterator[FieldGroup]:
+    """Group fields by the inputs of their formulas; a field that is linear in the solution is its own input."""
+    names = list(fields)
+    own = {one.name for of in DERIVED for one in of.quantities}
+    yield from (FieldGroup((name,), (name,), ("sum",), (0,)) for name in names if name not in own)
+    for inputs, of_bars in dict.fromkeys((of.inputs, of.of_bars) for of in DERIVED):
+        alike = [of for of in DERIVED if (of.inputs, of.of_bars) == (inputs, of_bars)]
+        those = [of for of in alike if any(one.name in names for one in of.quantities)]
+        values = [one.name for of in those for one in of.quantities]
+        wanted = [place for place, name in enumerate(values) if name in names]
+        if wanted:
+            formulas = tuple(of.formula for of in those if isinstance(of.formula, str))
+            yield FieldGroup(tuple(values[place] for place in wanted), inputs, formulas, tuple(wanted), of_bars)
 
 
 @dataclass(frozen=True)
@@ -565,7 +633,7 @@ class Catalogue:
                 result.append(Number(AT_CORNERS, "corner", index, path, subject, corner, AT_CORNERS.tabled))
         on_areas = {of for one in model.support if one.area is not None for of in one.between or (one.plate,)}
         for index, plate in enumerate(probe.plate for probe in model.probe for _ in probe.at):
-            for one in AT_PROBES:
+            for one in in_model(model, AT_PROBES):
                 if one.name != PRESSURE.name or plate in on_areas:
                     # The angle has no half-width, since it is undefined where both principal moments are equal.
                     path, told = ("probes", index, *one.path), one.kind != "angle"
@@ -578,7 +646,7 @@ class Catalogue:
             for one in OF_STRIPS:
                 result.append(Number(one, "strip", index, ("strips", index, *one.path), subject, 0, False))
             for station in range(strip.stations):
-                for one in MEANS:
+                for one in in_model(model, MEANS):
                     path = ("strips", index, "stations", station, *one.path)
                     result.append(Number(one, "station", index, path, f"{subject}[{station + 1}]", station))
         for index, column in enumerate(model.columns):

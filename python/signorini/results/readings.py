@@ -28,9 +28,8 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.contact_field.kern import kern_of
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.local_results import total_pressure
-from signorini.results.punching import in_units, points_inside
-from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, derived
+from signorini.results.local_results import strip_sections, total_pressure
+from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, along_strips, derived
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000
@@ -272,7 +271,7 @@ class Readings:
             case "section":
                 return _THROUGH[what](self._through[:, : self._sections])
             case "station":
-                return _THROUGH[what](self._through[:, self._sections :])
+                return self._at_stations(what, self._through[:, self._sections :])
             case "punching":
                 return self.punching[what]
             case "strip":
@@ -353,8 +352,13 @@ class Readings:
             return self.pressures
         if what in LINEAR:
             return self.probes[..., list(LINEAR).index(what)]
-        moment, shear = self.probes[..., 3:6], self.probes[..., 6:]
-        return derived([what], moment, shear, self.discretisation.probe_thickness)[..., 0]
+        moment, shear, found = self.probes[..., 3:6], self.probes[..., 6:], self.discretisation
+        return derived([what], moment, shear, found.probe_thickness, found.model.bars)[..., 0]
+
+    def _at_stations(self, what: str, through: Floats) -> Floats:
+        if what in _THROUGH:
+            return _THROUGH[what](through)
+        return along_strips(what, through, *strip_sections(self.discretisation), self.discretisation.model.bars)
 
     @property
     def _through(self) -> Floats:

@@ -22,7 +22,7 @@ from signorini.results.extremes import Means
 from signorini.results.local_results import ProbeResult, probe_results, section_results
 from signorini.results.of_plates import said_of
 from signorini.results.punching import ColumnResult, column_results
-from signorini.results.quantities import TOLD
+from signorini.results.quantities import with_extremes
 from signorini.results.readings import Readings, SupportForces
 from signorini.results.result import Result
 from signorini.results.support_result import support_result
@@ -66,7 +66,8 @@ def recovered(
     supports = Listed(
         (support_result(readings, index, forces) for index in range(len(discretisation.model.support))), "support"
     )
-    catalogue, probes = catalogue_of(discretisation, TOLD), discretisation.probe_positions
+    model, at, thick = discretisation.model, discretisation.probe_positions, discretisation.probe_thickness
+    catalogue = catalogue_of(discretisation, with_extremes(model))
     return Result(
         name=load_of if isinstance(load_of, str) else load_of.name,
         status="solved",
@@ -85,10 +86,10 @@ def recovered(
         shear=stress[:, 3:],
         nodal_reaction=nodal_reaction[::3],
         supports=supports,
-        probes=probe_results(probes, readings.probes[0], readings.pressures[0], discretisation.probe_thickness),
+        probes=probe_results(at, readings.probes[0], readings.pressures[0], thick, model.bars),
         **section_results(discretisation, readings.linear.through[0]),
         seconds=time.perf_counter() - begun,
-        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique),
+        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique, stress),
         singular=singularities(discretisation, load.acting),
         thickness=thickness,
         catalogue=catalogue,
@@ -131,7 +132,8 @@ def _of_plates(
     for one in each:
         of = plates[one.name]
         stress[one.stress_nodes] = np.column_stack([of.moment, of.shear])
-    first, alike, catalogue = plates[each[0].name], list(plates.values()), catalogue_of(discretisation, TOLD)
+    first, alike = plates[each[0].name], list(plates.values())
+    catalogue = catalogue_of(discretisation, with_extremes(discretisation.model))
     return replace(
         first,
         not_unique=answer.not_unique,
@@ -176,7 +178,7 @@ def unsolved_result(discretisation: Discretisation, combination: Combination, me
     nan = float("nan")
     count, of_stress = discretisation.mesh.node_count, discretisation.stress_nodes.count
     nothing = np.full(count, nan)
-    catalogue = catalogue_of(discretisation, TOLD)
+    catalogue = catalogue_of(discretisation, with_extremes(discretisation.model))
     return Result(
         name=combination.name,
         status="no_equilibrium",

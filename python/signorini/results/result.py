@@ -50,7 +50,7 @@ class Result(ResultState):
         fields = np.column_stack([nodes.spread(self.fields[name]) for name in LINEAR])
         thickness = sides.alike(nodes.at(sides, self.thickness))
         pressures = total_pressure(areas_below(self.supports), positions)
-        return [*probe_results(positions, sides.larger(nodes.at(sides, fields)), pressures, thickness)]
+        return [*probe_results(positions, sides.larger(nodes.at(sides, fields)), pressures, thickness, self.model.bars)]
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of area supports at points (q, 2) of the plate, positive where they push the plate up.

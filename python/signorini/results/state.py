@@ -22,8 +22,20 @@ from signorini.results.checks import completed
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
 from signorini.results.punching import ColumnResult
-from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, SIDES, Catalogue, derived
+from signorini.results.quantities import (
+    FIELDS,
+    LINEAR,
+    MEAN_SIDES,
+    OF_BARS,
+    PEAKING,
+    SIDES,
+    Catalogue,
+    derived,
+    in_model,
+    with_extremes,
+)
 from signorini.results.support_result import SupportResult, areas_below
+from signorini.singularities.beside import at_faces
 from signorini.singularities.singularity import Singularity, at_peaks
 
 Status = Literal["solved", "no_equilibrium"]
@@ -140,9 +152,10 @@ class ResultState(Remade):
 
         deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at stress nodes (s,): mx,
         my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top, von_mises
-        and txz.
+        and txz; with [reinforcement] the required areas such as as_x_bottom.
         """
-        return OnDemand(FIELDS, self._field, None, "field", "This result")
+        names = [one.name for one in in_model(self.model, FIELDS.values())]
+        return OnDemand(names, self._field, None, "field", "This result")
 
     def _field(self, name: str) -> Floats:
         field: Floats
@@ -150,9 +163,17 @@ class ResultState(Remade):
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
         else:
-            field = derived([name], self.moment, self.shear, self.thickness)[:, 0]
+            moment = self._moment_at_faces if name in OF_BARS else self.moment
+            field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
+
+    @cached_property
+    def _moment_at_faces(self) -> Floats:
+        """Moments (s, 3) for the design of bars, see `Reinforcement.face`."""
+        if not self.model.at_faces or self.means is None:
+            return self.moment
+        return at_faces(self.moment, self.means.values, self.means.beside, self.stress_nodes.points)
 
     @cached_property
     def profiles(self) -> Mapping[str, ProfileResult]:
@@ -201,7 +222,7 @@ class ResultState(Remade):
         if self.plates:
             found = of_plates([one.extremes for one in self.plates.values()])
         else:
-            found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
+            found = extremes(with_extremes(self.model), self.fields, self.stress_nodes, self.singular, self.means)
         return Named(found, "field", "This mapping of extremes")
 
     def excluding(self, number: str) -> list[Singularity]:
@@ -231,6 +252,7 @@ class ResultState(Remade):
                 result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
         combinations = None if self.combination is None else [self.combination]
         return np.ravel(completed(self.catalogue, result[None], combinations))
+            result[at("mean", side)] = [getattr(ends, side) for name, ends in self.extremes.items() if name in PEAKING]
 
     def require_fields(self) -> None:
         """Raise `InputError` if the result is that of several plates, or has no equilibrium."""

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from signorini.base.numbers import plain
-from signorini.base.units import METRES
+from signorini.base.units import METRES, NEWTONS
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import constant_stiffness
 from signorini.model.problems import describe
 
-_NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
-_NEWTONS |= {"lbf": 4.4482216, "lb": 4.4482216, "kip": 4448.2216, "kips": 4448.2216}
+_NEWTONS = {"N": 1.0, "daN": 10.0} | NEWTONS | {"kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
+_NEWTONS |= {"lb": NEWTONS["lbf"], "kips": NEWTONS["kip"]}
 _LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "dm", "kilometre": "km"}
 _LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
 _FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton": "MN", "pound": "lbf", "tonne": "tf"}

@@ -17,6 +17,8 @@ _VECTORS = {
     "stress_top": ("sx_top", "sy_top", "txy_top"),
     "stress_bottom": ("sx_bottom", "sy_bottom", "txy_bottom"),
     "shear_stress": ("txz", "tyz"),
+    "reinforcement_bottom": ("as_x_bottom", "as_y_bottom"),
+    "reinforcement_top": ("as_x_top", "as_y_top"),
 }
 """Components of the vectors in a .vtu file: names of fields, by name of the vector."""
 
@@ -31,6 +33,8 @@ def vtk_fields(result: ResultState) -> tuple[dict[str, Floats], dict[str, Floats
         "shear": np.column_stack([result.shear, np.zeros(len(result.shear))]),
     }
     for name, parts in _VECTORS.items():
+        if parts[0] not in result.fields:
+            continue
         values = np.zeros((result.stress_nodes.count, 3))
         for axis, part in enumerate(parts):
             values[:, axis] = result.fields[part]

@@ -21,6 +21,7 @@ from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.material import ZONE_KEYS
 from signorini.model.where import Acting
 from signorini.results.of_plates import said_of
+from signorini.results.quantities import REINFORCEMENT, derived
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
@@ -79,17 +80,38 @@ def result_warnings(
     deflection: Floats,
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
+    stress: Floats,
 ) -> tuple[str, ...]:
-    """Warnings of the result of one combination; the model's warnings are first."""
+    """Warnings of the result of one combination; the model's warnings are first.
+
+    ``stress`` (s, 5) are moments and shears at stress nodes.
+    """
     warned = [
         *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
         *no_resultant(discretisation, load),
         *too_far(discretisation, deflection),
+        *too_thin(discretisation, load, stress),
     ]
     warned += _beds_that_pull(discretisation.model, supports)
     warned += _outweighing(discretisation, load, supports)
     return (*warned, *sentences(not_unique))
+
+
+def too_thin(discretisation: Discretisation, load: CaseLoad, stress: Floats) -> Iterator[str]:
+    """Warn if a section cannot resist its design moment, given moments and shears (s, 5) at stress nodes."""
+    nodes, bars = discretisation.stress_nodes, discretisation.model.bars
+    if bars is None:
+        return
+    areas = derived(list(REINFORCEMENT), stress[:, :3], stress[:, 3:], discretisation.node_thickness, bars)
+    peaks = at_peaks(discretisation.mesh, singularities(discretisation, load.acting), "moment")
+    beyond = np.flatnonzero(np.isinf(areas).any(axis=1) & ~peaks[nodes.nodes])
+    if len(beyond):
+        yield (
+            f"The section cannot resist the design moment at {len(beyond)} of {nodes.count} nodes, such as at "
+            f"{point(nodes.points[beyond[0]])}: the required reinforcement is infinite there. Use a thicker plate or "
+            "stronger concrete."
+        )
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:

@@ -27,6 +27,8 @@ _PARTS = 12
 """Number of parts of a line, with two Gauss points each. It is even: moments have a kink at p, which is then between
 two parts.
 """
+_ON_RADIUS = 1e-9
+"""Relative tolerance for positions on the circle around a column."""
 PEAKS = ("moment", "shear")
 """Results that have means, in the order of the columns of `Beside.numbers`."""
 
@@ -37,7 +39,8 @@ class Beside:
 
     ``places`` (k, 2) are sorted by x, then y; ``within`` (k,) are their radii r. ``numbers`` (k, 2) marks whether the
     moment and whether the shear is singular. ``case`` (k,) is the load case of a singular load, "" at supports and
-    corners. ``thickness`` (k, 6) is the mean thickness along each line of each point.
+    corners. ``thickness`` (k, 6) is the mean thickness along each line of each point. ``columns`` (k,) marks points of
+    supports with singular moments.
     """
 
     places: Floats
@@ -45,6 +48,7 @@ class Beside:
     numbers: Bools
     case: tuple[str, ...]
     thickness: Floats
+    columns: Bools
 
     def __len__(self) -> int:
         """Number k of the singular points."""
@@ -75,6 +79,21 @@ def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> F
     return np.concatenate([of_moment[:, :2].reshape(-1, 6), of_shear[:, 2:4, 0], of_shear[:, 4:, 1]], axis=1)
 
 
+def at_faces(moment: Floats, means: Floats, beside: Beside, points: Floats) -> Floats:
+    """Moments (..., s, 3) at positions (s, 2), with means in place of moments within the radius of a column.
+
+    ``means`` (..., k, 10) are as in `means_of`. Where the lines of a column are off the plate, moments stay.
+    """
+    result = moment.copy()
+    for column in np.flatnonzero(beside.columns):
+        own = means[..., column, :]
+        mean = np.stack([own[..., 0], own[..., 4], 0.5 * (own[..., 2] + own[..., 5])], axis=-1)
+        near = np.hypot(*(points - beside.places[column]).T) <= beside.within[column] * (1.0 + _ON_RADIUS)
+        if not np.isnan(mean).any():
+            result[..., near, :] = mean[..., None, :]
+    return result
+
+
 @kept
 def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
     """The k singular points, and the matrix (6k, s) from values at stress nodes to means along their six lines."""
@@ -91,7 +110,9 @@ def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
     numbers = np.array([places_found[key][1] for key in keys], np.bool_).reshape(-1, len(PEAKS))
     rows = _rows(discretisation.stress_nodes, places, within)
     thickness = (rows @ discretisation.node_thickness).reshape(-1, len(_LINES))
-    return Beside(places, within, numbers, tuple(case for _, case in keys), thickness), rows
+    held = {at for support in discretisation.model.support for at in support.at or ()}
+    columns = np.array([not case and place in held for place, case in keys], np.bool_) & numbers[:, 0]
+    return Beside(places, within, numbers, tuple(case for _, case in keys), thickness, columns), rows
 
 
 def _rows(nodes: StressNodes, places: Floats, within: Floats) -> csr_array:

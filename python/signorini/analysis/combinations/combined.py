@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations.terms import PlateTerms, Terms, terms_of
+from signorini.analysis.combinations.terms import AT_FACES, PlateTerms, Terms, terms_of
 from signorini.base.remade import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.problem import ContactProblem
@@ -25,7 +25,7 @@ from signorini.model import Combination, Combinations, Model
 from signorini.results.checks import completed, overturned
 from signorini.results.envelope import Envelope, Extremes
 from signorini.results.extremes import mean_ends
-from signorini.results.quantities import ENDS, MEAN_SIDES, PEAKING, SIDES, derived
+from signorini.results.quantities import ENDS, MEAN_SIDES, PEAKING, SIDES, field_groups
 from signorini.results.readings import Reader, Readings
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Hidden, Layout, PlateLayout, together
@@ -282,21 +282,23 @@ class _Run:
 
         Returns for each field the extremes (k, 2) of k combinations and their positions (k, 2, 2).
         """
-        result, places = [], member.plate.own.stress_nodes.points
+        result, places = dict[str, tuple[Floats, Floats]](), member.plate.own.stress_nodes.points
         assert self.terms is not None
-        for name, extremes in self._envelope(group).fields.items():
-            of_plate = extremes.pick(nodes := member.nodes_of(name))
-            hidden = member.hidden.get(name, Hidden.nothing(len(of_plate.largest)))
+        envelope, own = self._envelope(group).fields, member.plate.own
+        for those in field_groups(envelope):
+            first, nodes = those.names[0], member.nodes_of(those.names[0])
+            ending = AT_FACES if those.of_bars and own.model.at_faces else ""
+            inputs = [terms.fields[name + ending] for name in those.inputs]
+            count = inputs[0].shape[1]
+            hidden = member.hidden.get(first, Hidden.nothing(count))
             left_out = hidden.under(acting, self.terms.cases)
-            if name in terms.fields:
-                peaks, at = of_plate.take_sums(shares, terms.fields[name], who, hidden.classes, left_out)
-            else:
-                thickness = member.plate.own.node_thickness
-                peaks, at = _take_derived(of_plate, name, terms, thickness, shares, who, hidden.classes, left_out)
-            extremes.put(nodes, of_plate)
-            if name in self.layout.fields:
-                result.append((peaks, places[at]))
-        return result
+            each = [envelope[name].pick(nodes) for name in those.names]
+            section = own.node_thickness[:count], own.model.bars
+            found = Extremes.take_sums(each, those, shares, inputs, *section, who, hidden.classes, left_out)
+            for name, of_plate, peaks, at in zip(those.names, each, *found, strict=True):
+                envelope[name].put(nodes, of_plate)
+                result[name] = peaks, places[at]
+        return [result[name] for name in self.layout.fields]
 
     def _put_means(
         self,
@@ -323,7 +325,7 @@ class _Run:
             means = _core.superpose(share, terms.means).reshape(len(share), len(beside), -1)
             peaking = always | (known & acting[some][:, of_case])
             for (name, place), columns in zip(named, ends, strict=True):
-                found, at = mean_ends(name, means, beside, peaking)
+                found, at = mean_ends(name, means, beside, peaking, self.layout.model.bars)
                 values[some, columns] = found
                 where = np.where(np.isnan(found)[..., None], np.nan, beside.places[at])
                 places[some, place, len(SIDES) :] = where
@@ -332,34 +334,6 @@ class _Run:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
             self.unbalanced[name] = message
-
-
-def _take_derived(
-    extremes: Extremes,
-    name: str,
-    terms: PlateTerms,
-    thickness: Floats,
-    shares: Floats,
-    who: Ints,
-    classes: Ints,
-    left_out: Bools,
-) -> tuple[Floats, Ints]:
-    """Extend extremes by a field that is computed from moments and shears; return values as `Extremes.take_sums`."""
-    peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
-    for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
-        some = slice(first, first + step)
-        share = np.ascontiguousarray(shares[some])
-        moment, shear = (
-            np.stack([_core.superpose(share, terms.fields[one]) for one in of], axis=-1)
-            for of in (("mx", "my", "mxy"), ("qx", "qy"))
-        )
-        values = derived([name], moment, shear, thickness)[..., 0]
-        extremes.take(values, who[some])
-        shown = np.where(left_out[some][:, classes], np.nan, values)
-        for side, find in enumerate((np.fmax, np.fmin)):
-            peaks[some, side] = find.reduce(shown, axis=1)
-            places[some, side] = (shown == peaks[some, side, None]).argmax(axis=1)
-    return peaks, places
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:

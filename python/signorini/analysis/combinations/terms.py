@@ -16,9 +16,9 @@ from signorini.contact.certificate import FIGURES, off_laws
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.quantities import LINEAR, PEAKING
+from signorini.results.quantities import LINEAR, PEAKING, RESULTANTS
 from signorini.results.readings import Linear, Reader, SupportForces
-from signorini.singularities.beside import means_of
+from signorini.singularities.beside import at_faces, beside_of, means_of
 
 _WATCHED = 64
 """Number of nodes, and approximate number of dofs, whose deflections and loads are lower bounds of a sum's largest
@@ -174,6 +174,9 @@ _TOGETHER = 32
 """Largest number of load cases whose displacements are in memory at once."""
 
 
+AT_FACES = " at faces"
+
+
 _OfPlate: TypeAlias = tuple[list[Floats], Linear, Floats]
 """Fields, linear readings and means of one plate in one term."""
 _Term: TypeAlias = tuple[list[_OfPlate], Sizes]
@@ -186,6 +189,8 @@ class PlateTerms:
 
     fields: dict[str, Floats]
     """Fields (b, n) at nodes or (b, s) at stress nodes, by name, for the envelopes; "reaction" is one of these names.
+
+    Names that end in `AT_FACES` are moments for the design of bars, see `Reinforcement.face`.
     """
     linear: Linear
     """Linear readings of the terms; the first axis of each array is (b,)."""
@@ -193,12 +198,19 @@ class PlateTerms:
     """Means (b, 10k) at the k places of `Beside`."""
 
     @classmethod
-    def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
+    def stacked(cls, plate: Discretisation, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
         """Stack the values of one plate in all terms."""
         fields, linear, means = zip(*each, strict=True)
         every = [*names, "reaction"] if names else []
         by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
-        return cls(by_name, Linear.stacked(linear), np.array(means))
+        result = cls(by_name, Linear.stacked(linear), np.array(means))
+        if plate.model.at_faces and set(RESULTANTS[:3]) <= set(names):
+            beside, moment = beside_of(plate), np.stack([by_name[name] for name in RESULTANTS[:3]], axis=-1)
+            of_columns = result.means.reshape(len(moment), len(beside), 10)
+            moment = at_faces(moment, of_columns, beside, plate.stress_nodes.points)
+            faces = zip(RESULTANTS, np.moveaxis(moment, -1, 0), strict=False)
+            by_name |= {name + AT_FACES: np.ascontiguousarray(of) for name, of in faces}
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,7 +250,10 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
     of_plates, sizes = zip(*terms, strict=True)
-    plates = tuple(PlateTerms.stacked(names, each) for each in zip(*of_plates, strict=True))
+    plates = tuple(
+        PlateTerms.stacked(plate.own, names, each)
+        for plate, each in zip(result.members, zip(*of_plates, strict=True), strict=True)
+    )
     return Terms(tuple(cases), shared, plates, Proof.of(result, sizes))
 
 
