@@ -15,7 +15,7 @@ from signorini.model.check import OVERTURNING
 from signorini.results.catalogue import catalogue_of
 from signorini.results.checks import checks_in, require_measured
 from signorini.results.envelope import NONE
-from signorini.results.quantities import EXTREMES, TOLD, Number
+from signorini.results.quantities import EXTREMES, Number, with_extremes
 from signorini.results.result import Result
 
 
@@ -40,7 +40,7 @@ class CheckResult:
 def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
-    if model.check and (catalogue := catalogue_of(discretisation, TOLD)) and model.tabulated:
+    if model.check and (catalogue := catalogue_of(discretisation, with_extremes(model))) and model.tabulated:
         require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
 
 

@@ -24,8 +24,8 @@ from signorini.model.plate import (
     Refinement,
 )
 from signorini.model.punching import Punching
-from signorini.model.report import Report
 from signorini.model.reinforcement import Cover, Reinforcement
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -33,13 +33,9 @@ from signorini.model.whole import Model, Solver, Units, validate
 # fmt: off
 __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Check", "Circle", "Combination",
-    "Combinations", "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load", "Material",
-    "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
-    "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Report", "Section", "Solver", "Stiffness",
-    "Strip", "Support", "Tightening", "Units", "Zone", "validate",
-    "Cover", "DiscPlate", "Factors", "FieldTable", "Form", "Hole", "Load", "Material", "MeshOptions", "MeshPlate",
-    "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate", "Probe", "Profile",
-    "RectanglePlate", "Refinement", "Reinforcement", "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening",
-    "Units", "Zone", "validate",
+    "Combinations", "Contact", "Cover", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load",
+    "Material", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate",
+    "PolygonPlate", "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Reinforcement", "Report",
+    "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone", "validate",
 ]
 # fmt: on

@@ -40,8 +40,8 @@ from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.punching import ColumnAt, Punching, columns_of
-from signorini.model.report import Report
 from signorini.model.reinforcement import Reinforcement
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of

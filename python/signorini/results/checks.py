@@ -14,7 +14,7 @@ from signorini.equilibrium.stability import load_factors
 from signorini.errors import InputError
 from signorini.model import Check, Combination, Model
 from signorini.model.check import OVERTURNING
-from signorini.results.quantities import ENDS, FIELDS, TOLD, Catalogue, measures, on_plate
+from signorini.results.quantities import ENDS, FIELDS, Catalogue, measures, on_plate, with_extremes
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def checks_in(catalogue: Catalogue) -> tuple[CheckedNumbers, ...]:
 
 def checked_fields(model: Model) -> tuple[str, ...]:
     """Names of the fields whose extremes are checked."""
-    subjects = {on_plate(name, plate): name for name in TOLD for plate in ("", *model.plates)}
+    subjects = {on_plate(name, plate): name for name in with_extremes(model) for plate in ("", *model.plates)}
     wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
     return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
 

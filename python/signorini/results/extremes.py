@@ -163,13 +163,13 @@ def extremes_under(
     moment, shear = values[:, 3:6], values[:, 6:]
     fields = dict(zip(LINEAR, values.T, strict=True))
     fields |= {
-        name: derived([name], moment, shear, discretisation.node_thickness)[:, 0]
+        name: derived([name], moment, shear, discretisation.node_thickness, discretisation.model.bars)[:, 0]
         for name in names
         if name not in LINEAR
     }
     means = Means.of(discretisation, moment, shear, cases)
     singular = singularities(discretisation, cases)
-    return extremes({name: fields[name] for name in names}, discretisation.stress_nodes, singular, means)
+    return extremes(names, fields, discretisation.stress_nodes, singular, means)
 
 
 @dataclass(frozen=True, eq=False)

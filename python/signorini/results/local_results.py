@@ -341,7 +341,8 @@ def section_results(discretisation: Discretisation, through: Floats) -> Sections
                 {face: of[number] for face in _FACES if (of := faces.get(f"{name}_{face}"))}
                 for name in ("moment", "as")
             )
-            stations.append(StationResult((x, y), *next(values), moment, required or None))
+            width, mnn, mns, qn = next(values)
+            stations.append(StationResult((x, y), width, mnn, mns, qn, moment, required or None))
             number += 1
         strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

@@ -29,7 +29,8 @@ from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.contact_field.kern import kern_of
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.local_results import strip_sections, total_pressure
-from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, along_strips, derived
+from signorini.results.punching import in_units, points_inside
+from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, along_strips, derived
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000

@@ -249,10 +249,10 @@ class ResultState(Remade):
             for side in SIDES:
                 result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
             for side in MEAN_SIDES:
-                result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
+                peaking = (ends for name, ends in self.extremes.items() if name in PEAKING)
+                result[at("mean", side)] = [getattr(ends, side) for ends in peaking]
         combinations = None if self.combination is None else [self.combination]
         return np.ravel(completed(self.catalogue, result[None], combinations))
-            result[at("mean", side)] = [getattr(ends, side) for name, ends in self.extremes.items() if name in PEAKING]
 
     def require_fields(self) -> None:
         """Raise `InputError` if the result is that of several plates, or has no equilibrium."""
