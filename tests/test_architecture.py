@@ -28,6 +28,7 @@ LAYERS = (
     {"accuracy"},
     {"analysis"},
     {"output"},
+    {"reports"},
     {"__init__"},
     {"importers"},
     {"cli"},
@@ -43,6 +44,8 @@ ALONE = {
 ONLY_IN = {
     "ezdxf": {"importers"},
     "highspy": {"base"},
+    "jinja2": {"reports"},
+    "markupsafe": {"reports"},
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},

@@ -21,6 +21,7 @@ from signorini.mesh.mesh import Mesh
 from signorini.model import *
 from signorini.output.verification import Difference, Verification, verify
 from signorini.output.writing import write
+from signorini.reports.page import report
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.exact_path import ExactPath
 from signorini.results.extremes import FieldExtremes
@@ -42,10 +43,10 @@ __all__ = [
     "InputError", "Lcp", "LcpSolution", "Load", "LoadPath", "Material", "Mesh", "MeshOptions", "MeshPlate", "Model",
     "Modifiers", "Moving", "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output", "PathEstimate",
     "PathEvent", "PathStop", "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress",
-    "Punching", "RectanglePlate", "Refinement", "Result", "Results", "RowProblem", "Section", "SectionResult",
-    "SignoriniError", "Singularity", "Solver", "StationResult", "Stiffness", "Strip", "StripResult", "Support",
-    "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone", "__version__", "check_results",
-    "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve", "tightened",
-    "validate", "verify", "with_rows", "write",
+    "Punching", "RectanglePlate", "Refinement", "Report", "Result", "Results", "RowProblem", "Section",
+    "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult", "Stiffness", "Strip", "StripResult",
+    "Support", "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone", "__version__",
+    "check_results", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "report", "schema",
+    "solve", "tightened", "validate", "verify", "with_rows", "write",
 ]
 # fmt: on

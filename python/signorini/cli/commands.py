@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, verify, import-dxf, schema."""
+"""The command line: solve, check, path, report, import-dxf, schema."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ _OPTIONS = {
     "unit": "--unit",
     "output": "--output",
     "no_error": "--no-error",
+    "pdf": "--pdf",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """Command-line option for each argument of `signorini.path` and `read_dxf`."""
@@ -300,6 +301,38 @@ def _limit(threads: int | None) -> None:
     if threads is not None:
         # Rust reads this variable when its threads start, at their first use.
         os.environ["RAYON_NUM_THREADS"] = str(threads)
+
+
+@app.command(
+    short_help="Solve every combination, write a report to hand over.",
+    epilog="Example: signorini report slab.toml -o slab.html --pdf",
+)
+def report(
+    file: InputFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="PAGE", help="The report, HTML. [default: FILE.html]"),
+    ] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print a PDF, too, through an installed Chromium.")] = False,
+    no_error: NoError = False,
+) -> None:
+    """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
+
+    The table [report] of the input gives the title block and the language.
+    """
+    with _messages(file):
+        from signorini.analysis.estimate import estimates_of
+        from signorini.reports.page import write_report
+
+        model = _loaded(file, no_error)
+        with progress_line() as show:
+            results = signorini.solve(model, progress=show)
+            estimates = estimates_of(results, show) if model.estimated else None
+            show("writing the report")
+            target = output if output is not None else file.with_suffix(".html")
+            written = write_report(results, target, estimates, file.read_text("utf-8"), pdf=pdf)
+        streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
+        _refuse(results.unbalanced, results.unbalanced_count)
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:

@@ -90,6 +90,9 @@ def _model(text: str, source: str, directory: Path) -> Model:
     for table in (*(tables if isinstance(tables, list) else ()), *fields):
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = str(directory / table["file"])
+    report = data.get("report")
+    if isinstance(report, dict) and isinstance(report.get("logo"), str):
+        report["logo"] = str(directory / report["logo"])
     model = validate(data, source=source, line_of=lambda path: lines().of(path))
     if isinstance(model.plate, MeshPlate):
         plate = model.plate.model_copy(update={"file": directory / model.plate.file})

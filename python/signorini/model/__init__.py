@@ -24,6 +24,7 @@ from signorini.model.plate import (
     Refinement,
 )
 from signorini.model.punching import Punching
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
@@ -33,7 +34,7 @@ __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Check", "Circle", "Combination",
     "Combinations", "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load", "Material",
     "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
-    "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Section", "Solver", "Stiffness", "Strip",
-    "Support", "Tightening", "Units", "Zone", "validate",
+    "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Report", "Section", "Solver", "Stiffness",
+    "Strip", "Support", "Tightening", "Units", "Zone", "validate",
 ]
 # fmt: on

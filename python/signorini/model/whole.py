@@ -48,6 +48,7 @@ from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.punching import ColumnAt, Punching, columns_of
+from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
@@ -206,6 +207,7 @@ class Model(Table):
     )
     output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
     solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
+    report: Report = Field(default=Report(), description="Title block and language of the report.")
 
     @model_validator(mode="before")
     @classmethod

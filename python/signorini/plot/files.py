@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from signorini.base.files import replacing
@@ -40,7 +41,7 @@ def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, st
 def png_of(figure: Figure) -> bytes:
     """Draw a figure as pixels; return the content of a .png file."""
     figure.set_dpi(DOTS)
-    canvas: Any = figure.canvas  # matplotlib has no types for the methods of a canvas
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no types for the methods of a canvas
     canvas.draw()
     return as_png(canvas)
 

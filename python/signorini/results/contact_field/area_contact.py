@@ -169,6 +169,11 @@ class AreaContact(Remade):
         at = cut.interpolate(self.mesh.points)
         return np.nan_to_num(self._law.pressure(cut.interpolate(self.deflection), at))
 
+    @property
+    def nodal_pressing(self) -> Floats:
+        """Pressure (n,) of an elastic area at the nodes, as if it acted in both directions; 0 if unknown."""
+        return np.nan_to_num(self._law.pressure(self.deflection, self.mesh.points))
+
     @cached_property
     def contact_area(self) -> float:
         """Area of the support that is in contact."""

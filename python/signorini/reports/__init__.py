@@ -1,0 +1,1 @@
+"""The report: one HTML file with checks, results, maps and the input."""

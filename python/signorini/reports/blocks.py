@@ -1,0 +1,167 @@
+"""Blocks of a report's sections, without markup: texts, tables, pictures. Templates write them as HTML."""
+
+from __future__ import annotations
+
+import base64
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any, ClassVar, Literal
+
+from signorini.base.numbers import estimated, in_unit, number
+from signorini.model import Units
+from signorini.results.quantities import KINDS, Quantity
+
+_DIGITS = 5
+"""Number of significant digits of numbers without half-width."""
+_FOLDED = 25
+"""Largest number of rows of a table that is not folded."""
+_ABSENT = "–"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a table: its text, and for numbers the value, by which the table is sorted."""
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with a caption, titles of columns, and rows of cells; the first column names the row."""
+
+    block: ClassVar[str] = "table"
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+
+    @property
+    def folded(self) -> bool:
+        """Whether the table has so many rows that it is folded."""
+        return len(self.rows) > _FOLDED
+
+    @property
+    def numbers(self) -> Sequence[bool]:
+        """Whether each column has numbers, which are aligned at the right."""
+        return [any(row[at].value is not None for row in self.rows) for at in range(len(self.head))]
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph, a heading within a section, a message, or a text with its line breaks."""
+
+    block: ClassVar[str] = "text"
+    words: str
+    kind: Literal["plain", "heading", "good", "bad", "warning", "verbatim"] = "plain"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture with a caption, which also describes it where it cannot be seen."""
+
+    block: ClassVar[str] = "picture"
+    content: bytes
+    words: str
+
+    @property
+    def uri(self) -> str:
+        """The picture as a data URI."""
+        return data_uri(self.content, "image/png")
+
+
+@dataclass(frozen=True)
+class Map:
+    """An interactive map, as markup."""
+
+    block: ClassVar[str] = "map"
+    markup: str
+
+
+Block = Table | Text | Picture | Map
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a report: key in the catalogue of texts, which is its anchor too, and its blocks."""
+
+    key: str
+    blocks: Sequence[Block]
+
+
+def data_uri(content: bytes, kind: str) -> str:
+    """Content of a file as a data URI."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+@cache
+def _catalogue() -> Mapping[str, Mapping[str, Any]]:
+    text = (resources.files("signorini.reports") / "texts.toml").read_text("utf-8")
+    return tomllib.loads(text)
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Writes texts in one language, and numbers with units and half-widths."""
+
+    language: str
+    units: Units
+
+    def __call__(self, key: str, **values: object) -> str:
+        """Text of the catalogue, with values filled in."""
+        return str(_catalogue()["texts"][key][self.language]).format(**values)
+
+    def translated(self, words: str) -> str:
+        """Translate words of the registry of quantities; words that are not in the catalogue stay English."""
+        return words if self.language == "en" else str(_catalogue()[self.language].get(words, words))
+
+    def label(self, quantity: Quantity) -> str:
+        """Description of a quantity with its unit, for the title of a column."""
+        words = self.translated(quantity.words or quantity.name.replace("_", " ")).partition(", ")[0]
+        return words[:1].upper() + words[1:] + in_unit(quantity.unit(self.units))
+
+    def titled(self, key: str, kind: str) -> str:
+        """Text of the catalogue with the unit of a kind of quantities."""
+        return self(key) + in_unit(Quantity("", kind).unit(self.units))
+
+    def number(self, value: object, width: object = ..., size: float = 0.0) -> Cell:
+        """Cell of a number; ``width`` is its half-width, None if unknown, ``...`` if no half-width was computed."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return Cell(_ABSENT if value is None else str(value))
+        if isinstance(value, int) or not isinstance(width, int | float | None):
+            return Cell(str(value) if isinstance(value, int) else number(value, size, _DIGITS), float(value))
+        return Cell(estimated(value, width, size), value)
+
+    def place(self, at: object) -> Cell:
+        """Cell of a place [x, y]."""
+        if not isinstance(at, list | tuple):
+            return Cell("" if at is None else str(at))
+        return Cell(f"({'; '.join(f'{value:.5g}' for value in at)})")
+
+    def facts(self, caption: str, facts: Iterable[tuple[str, str]]) -> Table:
+        """Table of names and values."""
+        rows = [(Cell(name), Cell(value)) for name, value in facts if value]
+        return Table(caption, [self("what"), self("value")], rows)
+
+    def unit(self, kind: str) -> str:
+        """Unit of a kind of quantities, in brackets."""
+        return in_unit(KINDS[kind].unit(self.units))
+
+
+def found(tree: Any, *keys: str | int) -> Any:
+    """Value below keys and indices of results.json; None if one of them is missing."""
+    for key in keys:
+        if isinstance(tree, Mapping):
+            tree = tree.get(key)
+        elif isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+            tree = tree[key]
+        else:
+            return None
+    return tree
+
+
+def solved(values: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """Yield the combinations of results.json with an equilibrium."""
+    return (one for one in values["combinations"] if one["status"] == "solved")

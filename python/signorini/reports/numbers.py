@@ -1,0 +1,393 @@
+"""Sections of a report on the results: summary, equilibrium, reactions, fields, sections, punching, path, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from operator import itemgetter
+from typing import Any
+
+from signorini.output.load_path import path_json
+from signorini.reports import pictures
+from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.maps import MapData, map_data, map_html
+from signorini.reports.sections import Contents, value_of
+from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, PICTURED, SIDES, THROUGH, Quantity
+
+_ACROSS = 8
+"""Largest number of columns of simultaneous reactions in one table."""
+_BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+_LIMIT = 1e-8
+"""Bound of the errors of a certificate that have no larger rounding limit."""
+
+
+def _width(tree: Any, *keys: str | int) -> Any:
+    """Half-width below keys of "plus_minus"; ``...`` if no half-widths were computed."""
+    return ... if tree is None else found(tree, *keys)
+
+
+def extremes(of: Contents, name: str) -> Iterator[tuple[str, float, Any, str, Any]]:
+    """Yield side, value, half-width, combination and place of the largest and the smallest value of a field."""
+    path = (name,) if name == "deflection" else ("fields", name)
+    if (envelope := of.values.get("envelope")) is not None:
+        own, widths = found(envelope, "fields", name), envelope["plus_minus"]
+        for side in SIDES if own else ():
+            by = own.get(f"{side}_by")
+            yield side, own.get(side), _width(widths, "fields", name, side), by, own.get(f"{side}_at")
+        return
+    told = [(one, found(one, *path)) for one in solved(of.values) if found(one, *path, "max") is not None]
+    for side in SIDES if told else ():
+        one, own = (max if side == "max" else min)(told, key=lambda pair: pair[1][side])
+        yield side, own[side], _width(one["plus_minus"], *path, side), one["name"], own[f"{side}_at"]
+
+
+def _limited(of: Contents, value: Any, limit: Any) -> list[Cell]:
+    """Cells of a value and of its limit, or of its two limits."""
+    ends = limit if isinstance(limit, list) else [limit]
+    texts = [of.write.number(end) for end in ends]
+    return [of.write.number(value), texts[0] if len(ends) == 1 else Cell(" … ".join(cell.text for cell in texts))]
+
+
+def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, float, Any, str, Any]]:
+    """Yield name, checked number, value, limit, utilisation, half-width, governing combination and place of checks."""
+    for one in of.values.get("checks") or ():
+        place, used = one.get("place"), one.get("utilisation")
+        if used is not None:
+            yield (
+                one["name"],
+                one["of"],
+                one["value"],
+                one["limit"],
+                used,
+                one.get("plus_minus"),
+                one["governing"],
+                place,
+            )
+    for name, one, width, by in _columns(of):
+        value, limit = one["v_ed"], one["v_rd_c"]
+        told = _width(width, "utilisation")
+        yield f"{of.write('punching')} {name}", "v_ed", value, limit, one["utilisation"], told, by, one["at"]
+
+
+def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
+    """Yield each punched column: name, its numbers in the combination with the largest utilisation, half-widths."""
+    governing: dict[str, tuple[Mapping[str, Any], Any, str]] = {}
+    for one in solved(of.values):
+        for index, column in enumerate(one.get("punching") or ()):
+            known = governing.get(column["name"])
+            if known is None or column["utilisation"] > known[0]["utilisation"]:
+                governing[column["name"]] = (column, found(one["plus_minus"], "punching", index), one["name"])
+    yield from ((name, *own) for name, own in governing.items())
+
+
+def verdict(of: Contents, used: float, width: Any) -> str:
+    """Whether a check is passed, also at both ends of the half-width."""
+    half = width if isinstance(width, float | int) else 0.0
+    return of.write("passed" if used + half <= 1.0 else "failed" if used - half > 1.0 else "undecided")
+
+
+def summary(of: Contents) -> Iterator[Block]:
+    """Yield the verdict on equilibrium and certificates, all checks, and the extreme results."""
+    write, values = of.write, of.values
+    table = values.get("table") or {}
+    count = table.get("solved", sum(1 for _ in solved(values)))
+    failed = len(of.results) - count
+    passed = all(one["certificate"]["passed"] for one in solved(values))
+    yield Text(write("certified", count=count, all=len(of.results)), "good" if passed and not failed else "plain")
+    if failed:
+        yield Text(write("unbalanced", count=failed), "bad")
+        for name, message in of.results.unbalanced.items():
+            yield Text(f"{of.code(name)}: {message}", "bad")
+    rows = [
+        [
+            Cell(name),
+            *_limited(of, value, limit),
+            Cell(of.unit_of(checked)),
+            write.number(used, width),
+            Cell(of.code(by)),
+            write.place(place),
+            Cell(verdict(of, used, width)),
+        ]
+        for name, checked, value, limit, used, width, by, place in sorted(_checks(of), key=lambda check: -check[4])
+    ]
+    head = ("check", "value", "limit", "unit", "utilisation", "governing", "place", "verdict")
+    yield Table(write("checks"), [write(key) for key in head], rows) if rows else Text(write("no_checks"))
+    yield Table(
+        write("extremes"),
+        [write("quantity"), *(write(key) for key in ("value", "governing", "place"))],
+        [*_field_rows(of, ["deflection"]), *_reaction_rows(of)],
+    )
+
+
+def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
+    write = of.write
+    for name in names:
+        ends = list(extremes(of, name))
+        size = max((abs(end[1]) for end in ends), default=0.0)
+        for side, value, width, by, at in ends:
+            words = f"{write.label(PICTURED[name])}, {write(side)}"
+            yield [Cell(words), write.number(value, width, size), Cell(of.code(by)), write.place(at)]
+
+
+def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
+    """Yield the largest and smallest reaction of each whole support, and the largest pressures."""
+    write, every = of.write, of.values["governing_reactions"]
+    unit, largest = write.unit("reaction"), _largest(of)
+    for support in dict.fromkeys(one["support"] for one in every):
+        own = [one for one in every if one["support"] == support]
+        for side, chosen in zip(SIDES, (max, min), strict=True):
+            one = chosen(own, key=itemgetter(side))
+            words = f"{write('reaction')} {_bearing(one)}{unit}, {write(side)}"
+            cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
+            yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
+    for index, support in enumerate(of.results.model.support):
+        told = [(one, own) for one in solved(of.values) if (own := _supports(one, index)) and own["max_pressure"]]
+        if told:
+            one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
+            width = _width(one["plus_minus"], *_place(one, index), "max_pressure")
+            words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
+            value = write.number(own["max_pressure"], width)
+            yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
+
+
+def _largest(of: Contents) -> float:
+    """Largest reaction, relative to which reactions within rounding are 0."""
+    return max((abs(one[side]) for one in of.values["governing_reactions"] for side in SIDES), default=0.0)
+
+
+def _bearing(one: Mapping[str, Any]) -> str:
+    """Name of a whole support, or of one of its points with the number of the point."""
+    return f"{one['support']}[{one['point']}]" if one["point"] else str(one["support"])
+
+
+def _place(one: Mapping[str, Any], index: int) -> tuple[str, int]:
+    """Keys of support number ``index`` in a combination: contacts follow supports."""
+    count = len(one["supports"])
+    return ("supports", index) if index < count else ("contacts", index - count)
+
+
+def _supports(one: Mapping[str, Any], index: int) -> Any:
+    return found(one, *_place(one, index))
+
+
+def equilibrium(of: Contents) -> Iterator[Block]:
+    """Yield the sums of loads and of reactions of each combination, and the errors of its certificate."""
+    write, discretisation = of.write, of.results.discretisation
+    between = [support.between is not None for support in of.results.model.support]
+    rows, errors = [], []
+    for one in solved(of.values):
+        weighing = discretisation.load(
+            of.results.model.effective_combinations[of.results.number_of(one["name"])]
+        ).weighing
+        load = float((discretisation.rigid_motions.T @ weighing).reshape(-1, 3)[:, 0].sum())
+        own = [_supports(one, index)["reaction"] for index, inner in enumerate(between) if not inner]
+        size = max(abs(load), *map(abs, own), float(abs(weighing).sum()))
+        numbers = (load, sum(own), sum(own) - load)
+        rows.append([Cell(of.code(one["name"])), *(write.number(value, size=size) for value in numbers)])
+        found_errors, bounds = one["certificate"], (one["certificate"].get(f"{name}_limit", 0.0) for name in _BOUNDED)
+        cells = [
+            Cell(f"{found_errors[name]:.1e} ≤ {max(bound, _LIMIT):.0e}", found_errors[name])
+            for name, bound in zip(_BOUNDED, bounds, strict=True)
+        ]
+        passed = write("passed" if found_errors["passed"] else "failed")
+        errors.append([Cell(of.code(one["name"])), *cells, Cell(passed)])
+    unit = write.unit("reaction")
+    head = [write("combination"), *(write(key) + unit for key in ("load_sum", "reaction_sum", "difference"))]
+    yield Table(write("balance_table"), head, rows)
+    yield Text(write("certificate_words"))
+    yield Table(write("certificate"), [write("combination"), *map(write, _BOUNDED), write("verdict")], errors)
+
+
+def reactions(of: Contents) -> Iterator[Block]:
+    """Yield reactions by combination and support, by point, and the extremes with simultaneous reactions."""
+    write, largest = of.write, _largest(of)
+    sizes = {"reaction": largest, "gap": max((abs(end[1]) for end in extremes(of, "deflection")), default=0.0)}
+    rows, points = [], []
+    for one in solved(of.values):
+        for index in range(len(of.results.model.support)):
+            own, keys = _supports(one, index), _place(one, index)
+            cells = [Cell(of.code(one["name"])), Cell(own["name"]), Cell(own["kind"])]
+            cells += [write.number(own["reaction"], _width(one["plus_minus"], *keys, "reaction"), largest)]
+            cells += [write.number(own["closed_part"])]
+            areas = ((own[area.name], _width(one["plus_minus"], *keys, area.name)) for area in OF_AREAS[:2])
+            rows.append([*cells, *(write.number(*pair) for pair in areas)])
+            for number, point in enumerate(own.get("points") or ()):
+                cells = [Cell(of.code(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
+                for key, size in sizes.items():
+                    cells.append(
+                        write.number(point[key], _width(one["plus_minus"], *keys, "points", number, key), size)
+                    )
+                points.append([*cells, Cell(write(point["state"]))])
+    head = [write("combination"), write("support"), write("kind"), write("reaction") + write.unit("reaction")]
+    head += [write("closed_part"), *(write.label(area) for area in OF_AREAS[:2])]
+    yield Table(write("reactions"), head, rows)
+    head = [write("combination"), write("support"), write("place"), write("reaction") + write.unit("reaction")]
+    yield Table(write("reactions_points"), [*head, write.titled("gap", "deflection"), write("state")], points)
+    every = of.values["governing_reactions"]
+    names = [_bearing(one) for one in every]
+    yield Text(write("simultaneous_words"))
+    for first in range(0, len(every), _ACROSS):
+        columns = range(first, min(first + _ACROSS, len(every)))
+        rows = []
+        for name, one in zip(names, every, strict=True):
+            for side in SIDES:
+                cells = [
+                    Cell(f"{name}, {write(side)}"),
+                    write.number(one[side], _width(one["plus_minus"], side), largest),
+                ]
+                together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
+                rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
+        head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
+        yield Table(write("simultaneous"), [*head, *(names[at] for at in columns)], rows)
+
+
+def fields(of: Contents) -> Iterator[Block]:
+    """Yield maps or pictures of fields, and a table of their extremes."""
+    if any(True for _ in solved(of.values)):
+        yield _map(of, map_data(of.results, of.estimates), "map")
+    head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
+    yield Text(of.write("excluded_words"))
+    yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
+    rows = []
+    for one in solved(of.values):
+        for number, probe in enumerate(one["probes"]):
+            for quantity in AT_PROBES:
+                value, width = found(probe, *quantity.path), _width(one["plus_minus"], "probes", number, *quantity.path)
+                if value is not None:
+                    cells = [Cell(of.code(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
+                    rows.append([*cells, Cell(of.write.label(quantity)), of.write.number(value, width)])
+    head = [of.write(key) for key in ("combination", "probe", "place", "quantity", "value")]
+    yield Table(of.write("probes"), head, rows)
+
+
+def _map(of: Contents, data: MapData, name: str) -> Map:
+    """Interactive map with its texts in the language of the report."""
+    words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
+    return Map(map_html(data, name, of.write.language, words))
+
+
+def cuts(of: Contents) -> Iterator[Block]:
+    """Yield sections, strips, reactions along walls, and the diagrams of profiles, strips and walls."""
+    write = of.write
+    sections, strips, walls = [], [], []
+    for one in solved(of.values):
+        name, told = Cell(of.code(one["name"])), one["plus_minus"]
+        for index, cut in enumerate(one["sections"]):
+            cells = (write.number(cut[each.name], _width(told, "sections", index, each.name)) for each in THROUGH)
+            sections.append([name, Cell(cut["name"]), write.number(cut["length"]), *cells])
+        for index, strip in enumerate(one["strips"]):
+            for number, station in enumerate(strip["stations"]):
+                keys = ("strips", index, "stations", number)
+                cells = (write.number(station[each.name], _width(told, *keys, each.name)) for each in MEANS)
+                at = [write.place(station["at"]), write.number(station["width"])]
+                strips.append([name, Cell(strip["name"]), *at, *cells])
+        for index in range(len(of.results.model.support)):
+            if (wall := _supports(one, index)).get("max_per_length") is not None:
+                owner = _place(one, index)
+                ends = (write.number(wall[each.name], _width(told, *owner, each.name)) for each in OF_LINES)
+                corners = "; ".join(
+                    f"{write.place(c['at']).text}: {write.number(c['reaction']).text}" for c in wall["corners"]
+                )
+                walls.append([name, Cell(wall["name"]), *ends, Cell(corners)])
+    own: Sequence[Quantity] = THROUGH
+    head = [write("combination"), write("section")]
+    yield Table(write("sections"), [*head, write.titled("length", "deflection"), *map(write.label, own)], sections)
+    head = [write("combination"), write("strip"), write("place"), write.titled("width", "deflection")]
+    yield Table(write("strips"), [*head, *map(write.label, MEANS)], strips)
+    head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
+    yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
+    yield from pictures.of_profiles(of.results, write)
+    yield from pictures.of_reactions(of.results, of.estimates)
+
+
+def load_path(of: Contents) -> Iterator[Block]:
+    """Yield a load path: how it ends, its events and thresholds, its picture."""
+    if of.along is None:
+        return
+    write, path = of.write, path_json(of.along)
+    yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
+    ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
+    yield Text(f"{ending} {path['mechanism'] or ''}")
+    yield pictures.of_path(of.along, write)
+    yield _map(of, map_data(of.along), "map-path")
+    rows = [
+        [write.number(one["t"]), Cell(one["support"]), write.place(one["at"]), Cell(one["change"])]
+        for one in path["support_events"]
+    ]
+    rows += [[write.number(one["t"]), Cell(one["when"]), Cell(""), Cell("")] for one in path["thresholds"]]
+    yield Table(write("events"), ["t", write("support"), write("place"), write("event")], rows)
+
+
+_FORMULAS = {
+    "EN 1992-1-1:2004": {
+        "beta": "1 + Σ k · M/V · u1/W1; edge and corner columns by u1/u1* + …",
+        "v_ed": "β · |V − ΔV| / (u1 · d)",
+        "v_ed_face": "β · V / (u0 · d)",
+        "v_rd_c": "0.18/γc · k · (100 ρ fck)^⅓ ≥ 0.035 k^1.5 fck^½ in MPa; γc = 1.5; k = 1 + √(200 mm/d) ≤ 2; "
+        "ρ = √(ρx ρy) ≤ 0.02; on foundations times 2 d/a",
+        "v_rd_max": "0.4 · ν · fck/γc; ν = 0.6 (1 − fck/250 MPa)",
+        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef); fywd,ef = 250 + 0.25 d ≤ fyk/1.15 in MPa and mm",
+        "uout": "β · |V − ΔV| / (vRd,c · d)",
+        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
+    },
+    "ACI 318-19": {
+        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
+        "v_rd_c": "φ vc, φ = 0.75",
+        "v_rd_max": "φ 0.5 √f'c",
+        "utilisation": "vu / (φ vc)",
+    },
+}
+"""Formulas of the numbers of punching by code."""
+_GIVEN = ("column", "diameter", "d", "rho", "fck", "fyk")
+
+
+def punching(of: Contents) -> Iterator[Block]:
+    """Yield a sheet for each column: every number with its unit, formula and clause."""
+    write, units = of.write, of.results.model.units
+    given = {str(one.get("support", one.get("load"))): one for one in of.input.get("punching", ())}
+    for name, column, widths, by in _columns(of):
+        own = given.get(name.partition("[")[0], {})
+        yield Text(f"{name}, {write.place(column['at']).text}, {write('combination')} {of.code(by)}", "heading")
+        rows = [
+            [Cell(key), Cell(""), value_of(of, key, own[key]), Cell(""), Cell(write("input"))]
+            for key in _GIVEN
+            if key in own
+        ]
+        if isinstance(own.get("d"), list):
+            mean = write.number(sum(own["d"]) / 2)
+            rows.append([Cell("d"), Cell(write("mean_d")), mean, Cell(units.length), Cell("= (dx + dy)/2; Eq. (6.32)")])
+        formulas = _FORMULAS.get(column["code"], {})
+        for key, values in column.items():
+            pair = isinstance(values, list)
+            for part, value in zip(("_x", "_y"), values if pair else [values], strict=False):
+                if (quantity := of.quantities.get(("punching", key + part * pair))) is not None:
+                    cells = [Cell(quantity.name), Cell(write.translated(quantity.words))]
+                    cells += [write.number(value, _width(widths, *quantity.path)), Cell(quantity.unit(units))]
+                    why = [f"= {formulas[key]}" if key in formulas else "", column["clauses"].get(key, "")]
+                    rows.append([*cells, Cell("; ".join(filter(None, why)))])
+        used, width = column["utilisation"], _width(widths, "utilisation")
+        head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
+        yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
+        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict(of, used, width)}"
+        yield Text(words, "good" if used <= 1.0 else "bad")
+
+
+def warnings(of: Contents) -> Iterator[Block]:
+    """Yield each warning once, with the combinations it is about, and the places without a limit."""
+    said: dict[str, list[str]] = {}
+    for one in of.values["combinations"]:
+        for sentence in one["warnings"]:
+            said.setdefault(sentence, []).append(of.code(one["name"]))
+    for sentence in found(of.values, "table", "warnings") or ():
+        said.setdefault(sentence, [])
+    for sentence, names in said.items():
+        every = len(names) in (0, len(of.values["combinations"]))
+        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning")
+    if not said:
+        yield Text(of.write("no_warnings"))
+    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    rows = [
+        [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
+        for one in singular.values()
+    ]
+    head = [of.write("place"), of.write("without_limit"), of.write.titled("within", "deflection"), of.write("advice")]
+    yield Table(of.write("singular"), head, rows)

@@ -1,0 +1,244 @@
+"""The report as one HTML file without requests, and as PDF through an installed Chromium."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from signorini.analysis.estimate import Estimates, estimates_of
+from signorini.analysis.results import Results
+from signorini.base import arguments
+from signorini.base.arguments import checked, watching
+from signorini.base.files import replacing
+from signorini.base.regular import read_regular
+from signorini.errors import InputError, SignoriniError
+from signorini.output.tables import results_json
+from signorini.reports import numbers, sections
+from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.maps import assets_html
+from signorini.reports.sections import Contents
+from signorini.results.load_path import LoadPath
+from signorini.results.result import Result
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+_LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
+_LARGEST_LOGO = 500_000
+"""Largest size of a logo [bytes]."""
+_SECONDS = 180
+"""Longest time that a browser may take to print."""
+
+_SECTIONS: Mapping[str, Callable[[Contents], Iterator[Block]]] = {
+    "scope": sections.scope,
+    "summary": numbers.summary,
+    "materials": sections.materials,
+    "geometry": sections.geometry,
+    "loads": sections.loads,
+    "combinations": sections.combinations,
+    "equilibrium": numbers.equilibrium,
+    "reactions": numbers.reactions,
+    "fields": numbers.fields,
+    "cuts": numbers.cuts,
+    "load_path": numbers.load_path,
+    "punching": numbers.punching,
+    "warnings": numbers.warnings,
+    "input": lambda of: iter([Text(of.source, "verbatim")]),
+    "glossary": sections.glossary,
+    "verify": lambda of: iter([Text(of.write("verify_words")), Text("signorini verify FILE.html", "verbatim")]),
+}
+"""Sections of a report in their order, by key of the catalogue of texts."""
+
+
+@checked
+def report(
+    results: Results | Result,
+    path: str | os.PathLike[str],
+    estimate: Estimates | None = None,
+    *,
+    load_path: LoadPath | None = None,
+    pdf: bool = False,
+) -> list[Path]:
+    """Write a report: one HTML file with checks, results, maps, and the input.
+
+    Title block and language are those of ``[report]`` of the model. With ``mesh.error``, the default, half-widths are
+    computed by solving on other meshes, unless ``estimate`` is given.
+
+    Parameters
+    ----------
+    results : Results or Result
+        Return value of `signorini.solve`, or the result of one combination.
+    path : path-like
+        The HTML file; a file there is replaced.
+    estimate : Estimates, optional
+        Half-widths from `signorini.estimate`.
+    load_path : LoadPath, optional
+        A load path of the same model, which the report also shows.
+    pdf : bool
+        Whether an installed Chromium or Chrome also prints the report to a PDF file beside it.
+
+    Returns
+    -------
+    list of Path
+        The written files.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from signorini import Model, report, solve
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     mesh={"divisions": [4, 4]},
+    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+    ...     load=[{"pressure": 1e3}],
+    ... )
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     files = report(solve(model), f"{place}/slab.html")
+    >>> [file.name for file in files]
+    ['slab.html']
+    """
+    arguments.path(path, "an HTML file", "path")
+    if isinstance(results, Result):
+        results = Results.alone(results)
+    arguments.made_by(results, Results, "signorini.solve(model) makes them.", "results")
+    if estimate is None and results.model.estimated:
+        estimate = estimates_of(results, watching(None, ""))
+    original = results.model.original
+    try:
+        source = original.to_toml()
+    except InputError:  # TOML has no functions
+        source = json.dumps(json.loads(original.provenance.text), indent=1, ensure_ascii=False)
+    return write_report(results, path, estimate, source, load_path, pdf)
+
+
+def write_report(
+    results: Results,
+    path: str | os.PathLike[str],
+    estimates: Estimates | None,
+    source: str,
+    load_path: LoadPath | None = None,
+    pdf: bool = False,
+) -> list[Path]:
+    """Write a report as `report` does; ``source`` is the text of the input file."""
+    target, browser = Path(path), _browser() if pdf else ""
+    text = page(results, estimates, source, load_path)
+    try:
+        with replacing(target) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}.", place="output") from None
+    return [target, _printed(target, browser)] if pdf else [target]
+
+
+def page(results: Results, estimates: Estimates | None, source: str, load_path: LoadPath | None = None) -> str:
+    """Return the HTML of a report."""
+    model, values = results.model, results_json(results, estimates)
+    write = Writer(model.report.language, model.units)
+    contents = Contents(results, estimates, values, write, source, load_path)
+    made = (sections.section(key, blocks(contents)) for key, blocks in _SECTIONS.items())
+    own: Sequence[Section] = [one for one in made if one is not None]
+    keys = ("project", "client", "author", "checker", "date", "revision")
+    block = {write(key): text for key in keys if (text := getattr(model.report, key))}
+    program = f"{values['program']['name']} {values['program']['version']}"
+    title = model.title or values["input"]["file"] or write("report")
+    environment = Environment(
+        loader=PackageLoader("signorini.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(
+        write=write,
+        title=title,
+        block=block,
+        logo=_logo(model.report.logo),
+        sections=own,
+        program=program,
+        margins=Markup(_margins(title, block, program, values["input"]["sha256"])),
+        style=Markup(_asset("page.css")),
+        script=Markup(_asset("page.js")),
+        maps=Markup(assets_html()),
+        results=Markup(_embedded(values)),
+    )
+
+
+def _asset(name: str) -> str:
+    return (resources.files("signorini.reports") / "assets" / name).read_text("utf-8")
+
+
+def _embedded(values: Mapping[str, Any]) -> str:
+    """JSON for a script element: no text in it can end the element."""
+    text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    for letter in "<>&\u2028\u2029":
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return text
+
+
+def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:
+    """Style of the margins of printed pages, which repeat the title block."""
+    above = " · ".join([title, *block.values()])
+    below = f"{program} · SHA-256 {sha256[:16]}"
+    return f"@page {{ @top-left {{ content: {_quoted(above)} }} @bottom-left {{ content: {_quoted(below)} }} }}"
+
+
+def _quoted(text: str) -> str:
+    """Text as a string of CSS; all characters but letters and digits are escaped."""
+    return '"' + "".join(one if one.isalnum() and one.isascii() else f"\\{ord(one):x} " for one in text) + '"'
+
+
+def _logo(logo: str) -> str:
+    """Logo of the title block as a data URI; empty without logo."""
+    if not logo:
+        return ""
+    kind = _LOGOS.get(Path(logo).suffix.lower())
+    if kind is None:
+        raise InputError(f'found "{logo}"; a logo is a file .png or .svg.', place=("report", "logo"))
+    try:
+        return data_uri(read_regular(logo, _LARGEST_LOGO), kind)
+    except OSError as error:
+        raise InputError(f"{logo} cannot be read: {error.strerror}.", place=("report", "logo")) from None
+
+
+def _browser() -> str:
+    """Path of an installed Chromium or Chrome."""
+    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        raise InputError(
+            f"found no browser for the PDF. Install Chromium or Chrome ({', '.join(_BROWSERS)}), or print the HTML "
+            "file from any browser.",
+            place="pdf",
+        )
+    return found
+
+
+def _printed(page: Path, browser: str) -> Path:
+    """Print a page to a PDF file beside it."""
+    target = page.with_suffix(".pdf")
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / "report.pdf"
+        options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile"]
+        options += ["--virtual-time-budget=20000", f"--print-to-pdf={made}"]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            options.append("--no-sandbox")  # Chromium has no sandbox for root
+        try:
+            ended = subprocess.run(
+                [browser, *options, page.resolve().as_uri() + "#print"], capture_output=True, timeout=_SECONDS
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise SignoriniError(f"{browser} did not print {page}: {error}.") from None
+        if not made.exists():
+            said = ended.stderr.decode(errors="replace").strip().splitlines()
+            raise SignoriniError(f"{browser} did not print {page}: {said[-1] if said else 'no message'}.")
+        with replacing(target) as temporary:
+            shutil.copyfile(made, temporary)
+    return target

@@ -1,0 +1,239 @@
+"""Sections of a report on the input: scope, materials, geometry, loads, combinations, glossary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
+from signorini.base.numbers import in_unit, number
+from signorini.equilibrium.balance import NO_FORCE
+from signorini.reports import pictures
+from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
+from signorini.results.load_path import LoadPath
+from signorini.results.quantities import PICTURED, Quantity
+
+_MOST_ROWS = 500
+"""Largest number of combinations that are listed."""
+_PLACES = ("at", "edge", "line", "circle", "area", "nodes", "shape")
+_UNITS = {
+    **dict.fromkeys(("E", "Ex", "Ey", "Gxy", "Gxz", "Gyz", "pressure", "limit", "fck", "fyk"), -2),
+    **dict.fromkeys(("line_load",), -1),
+    **dict.fromkeys(("unit_weight",), -3),
+    **dict.fromkeys(("force", "preload"), 0),
+    **dict.fromkeys(("couple", "Dx", "Dy", "D1", "Dxy"), 1),
+}
+"""Exponent of the length in units of keys of the input that are forces."""
+_LENGTHS = ("thickness", "gap", "settlement", "radius", "size", "inner", "outer", "d", "bar", "column", "diameter")
+
+
+@dataclass(frozen=True)
+class Contents:
+    """All that the sections of a report are made from: results, their dictionary ``values``, and the writer."""
+
+    results: Results
+    estimates: Estimates | None
+    values: Mapping[str, Any]
+    write: Writer
+    source: str
+    along: LoadPath | None = None
+
+    @property
+    def input(self) -> Mapping[str, Any]:
+        """Tables of the input."""
+        tables: Mapping[str, Any] = self.values["input"]["model"]
+        return tables
+
+    @cached_property
+    def quantities(self) -> Mapping[tuple[str, str], Quantity]:
+        """Quantities of the results by the kind of their owner and their name."""
+        every = (number for one in self.results.full.values() for number in one.catalogue.numbers)
+        return {(number.home, number.what): number.quantity for number in every}
+
+    def unit_of(self, checked: str) -> str:
+        """Unit of the number or field that a check names, such as "soil.max_pressure"."""
+        name = checked.rpartition(".")[2]
+        found = (
+            [PICTURED[name]]
+            if name in PICTURED
+            else [one for (_, what), one in self.quantities.items() if what == name]
+        )
+        return found[0].unit(self.write.units) if found else ""
+
+    def code(self, name: str) -> str:
+        """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
+        if len(self.results) < 3 or name not in self.results:
+            return name
+        return f"C{self.results.number_of(name) + 1}: {name}"
+
+
+def codes_of(tables: Mapping[str, Any]) -> list[str]:
+    """Names of the design codes that the input uses."""
+    rules = {"en1990": "EN 1990", "asce7": "ASCE 7"}
+    found = [rules.get(str(one.get("generate")), "") for one in tables.get("combination", ())]
+    found += [str(one.get("code", "")) for one in (tables.get("reinforcement") or {}, *tables.get("punching", ()))]
+    return [code for code in dict.fromkeys(found) if code]
+
+
+def scope(of: Contents) -> Iterator[Block]:
+    """Yield method, codes and domain of validity."""
+    write, program = of.write, of.values["program"]
+    yield Text(write("method"))
+    codes = ", ".join(codes_of(of.input))
+    yield Text(write("codes", codes=codes) if codes else write("no_codes"))
+    yield Text(write("domain"))
+    units = ", ".join(filter(None, (of.write.units.length, of.write.units.force)))
+    commit = program["commit"] or ""
+    facts = {
+        write("program"): f"{program['name']} {program['version']}" + (f" ({commit[:12]})" if commit else ""),
+        write("input_file"): of.values["input"]["file"] or "",
+        "SHA-256": of.values["input"]["sha256"],
+        write("units"): units or write("no_units"),
+        write("signs_title"): write("signs"),
+        write("error_title"): write("error" if of.estimates is not None else "no_error"),
+    }
+    yield write.facts(write("basis"), facts.items())
+
+
+def materials(of: Contents) -> Iterator[Block]:
+    """Yield materials, thicknesses, zones, reinforcement and partial factors as the input has them."""
+    write, rows = of.write, list[Sequence[Cell]]()
+    parts = [(write("plate"), of.input.get("material")), (write("plate"), of.input.get("plate"))]
+    parts += [(name, plate) for name, plate in (of.input.get("plates") or {}).items()]
+    parts += [(f"{write('zone')} {index}", zone) for index, zone in enumerate(of.input.get("zone", ()), 1)]
+    parts += [(write("reinforcement"), of.input.get("reinforcement"))]
+    for owner, table in parts:
+        for key, value in _flat(table or {}, ("mesh", "points", "holes", "area", "shape", "origin", "size", "element")):
+            rows.append([Cell(owner), Cell(key), value_of(of, key.rpartition(".")[2], value)])
+    yield Table(write("materials"), [write("part"), write("property"), write("value")], rows)
+    rows = [
+        [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(str(value))]
+        for one in of.input.get("combination", ())
+        for key, value in _flat(one, ("name", "factors", "file"))
+        if "generate" in one
+    ]
+    rows += [
+        [Cell(name), Cell(key), Cell(str(value))]
+        for name, case in (of.input.get("cases") or {}).items()
+        for key, value in _flat(case, ())
+    ]
+    if rows:
+        yield Table(write("factors"), [write("part"), write("property"), write("value")], rows)
+
+
+def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the keys of a table and of tables in it, joined by dots, with their values."""
+    for key, value in table.items():
+        if isinstance(value, Mapping) and key not in without:
+            yield from _flat(value, (), f"{before}{key}.")
+        elif key not in without:
+            yield before + key, value
+
+
+def value_of(of: Contents, key: str, value: Any) -> Cell:
+    """Cell of a value of the input with its unit, if the unit of its key is known."""
+    units = of.write.units
+    unit = units.force_by_length(_UNITS[key]) if key in _UNITS else units.length if key in _LENGTHS else ""
+    return Cell(f"{_words(of, value)} {unit}".rstrip())
+
+
+def _words(of: Contents, value: Any) -> str:
+    """Text of a value of the input: numbers, names, points (x; y), lists and tables of these."""
+    if isinstance(value, bool):
+        return of.write("yes" if value else "no")
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {_words(of, one)}" for key, one in value.items())
+    if not isinstance(value, list | tuple):
+        return number(value) if isinstance(value, float) else str(value)
+    words = [_words(of, one) for one in value]
+    numeric = len(value) > 1 and all(isinstance(one, int | float) for one in value)
+    return f"({'; '.join(words)})" if numeric else ", ".join(words)
+
+
+def _place(of: Contents, table: Mapping[str, Any], default: str = "") -> str:
+    """Text of the place of a support or load."""
+    return next((f"{key} {_words(of, table[key])}" for key in _PLACES if key in table), default)
+
+
+def geometry(of: Contents) -> Iterator[Block]:
+    """Yield the numbers of the mesh, the drawing of plate, mesh and supports, and the table of supports."""
+    write, model = of.write, of.values["model"]
+    facts = {write(key): str(model[key]) for key in ("nodes", "elements", "dofs", "contact_points")}
+    facts |= {write("quality"): "; ".join(pictures.qualities(of.results))}
+    yield write.facts(write("mesh"), facts.items())
+    yield from pictures.of_model(of.results, write)
+    rows = []
+    for kind in ("support", "contact"):
+        for index, table in enumerate(of.input.get(kind, ()), 1):
+            place = _place(of, table)
+            rest = (f"{key} = {value_of(of, key, value).text}" for key, value in table.items())
+            shown = [text for key, text in zip(table, rest, strict=True) if key not in ("name", *_PLACES)]
+            rows.append([Cell(str(table.get("name", f"{kind} {index}"))), Cell(place), Cell("; ".join(shown))])
+    yield Table(write("supports"), [write("support"), write("place"), write("properties")], rows)
+    if moved := of.values["snapped"]:
+        rows = [[Cell(one["what"]), write.place(one["from"]), write.place(one["to"])] for one in moved]
+        yield Table(write("snapped"), [write("what"), write("from"), write("to")], rows)
+
+
+def loads(of: Contents) -> Iterator[Block]:
+    """Yield the loads and the sum of each load case, and a drawing of each case."""
+    write, discretisation = of.write, of.results.discretisation
+    rows = []
+    for table in of.input.get("load", ()):
+        place = _place(of, table, write("everywhere"))
+        shown = (
+            f"{key} = {value_of(of, key, value).text}" for key, value in table.items() if key not in ("case", *_PLACES)
+        )
+        rows.append([Cell(str(table.get("case", "load"))), Cell("; ".join(shown)), Cell(place)])
+    yield Table(write("loads"), [write("case"), write("load"), write("place")], rows)
+    rows, units = [], of.write.units
+    for case, load in discretisation.cases.items():
+        force, *moments = (discretisation.rigid_motions.T @ load.weighing).reshape(-1, 3).sum(axis=0).tolist()
+        most = float(np.abs(load.weighing).sum())
+        at = None
+        if abs(force) > NO_FORCE * most:
+            at = [
+                middle + moment / force for middle, moment in zip(discretisation.middle.tolist(), moments, strict=True)
+            ]
+        rows.append([Cell(case), write.number(force, size=most), write.place(at)])
+    yield Table(
+        write("sums"), [write("case"), write("sum") + in_unit(units.force), write("resultant")], rows[:_MOST_ROWS]
+    )
+    yield from pictures.of_cases(of.results, write)
+
+
+def combinations(of: Contents) -> Iterator[Block]:
+    """Yield the combinations with their factors, a table for each group."""
+    write, every = of.write, of.results.model.effective_combinations
+    listed = [every[row] for row in range(min(len(every), _MOST_ROWS))]
+    if len(every) > _MOST_ROWS:
+        yield Text(write("more_combinations", count=len(every), shown=_MOST_ROWS))
+    for group in dict.fromkeys(one.group for one in listed):
+        own = [one for one in listed if one.group == group]
+        cases = list(dict.fromkeys(case for one in own for case, factor in (one.factors or {}).items() if factor))
+        rows = [
+            [Cell(of.code(one.name)), *(write.number((one.factors or {}).get(case, 0.0) or None) for case in cases)]
+            for one in own
+        ]
+        caption = write("combinations") + (f": {group}" if group else "")
+        yield Table(caption, [write("combination"), *cases], rows)
+
+
+def glossary(of: Contents) -> Iterator[Block]:
+    """Yield the quantities of the registry that the results have, with their units."""
+    write, rows = of.write, dict[str, Sequence[Cell]]()
+    for one in (*PICTURED.values(), *of.quantities.values()):
+        words = write.translated(one.words or one.name.replace("_", " "))
+        rows.setdefault(words, [Cell(one.name), Cell(words), Cell(one.unit(write.units) or "–")])
+    yield Table(write("glossary"), [write("symbol"), write("meaning"), write("unit")], list(rows.values()))
+
+
+def section(key: str, blocks: Iterator[Block]) -> Section | None:
+    """Section of some blocks; None if there are none, or only tables without rows."""
+    own = [one for one in blocks if not isinstance(one, Table) or one.rows]
+    return Section(key, own) if own else None

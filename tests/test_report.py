@@ -1,0 +1,358 @@
+"""The report: its numbers are those of results.json, names are text, it needs no network, and it prints."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import signorini
+from signorini import InputError, Model
+from signorini.analysis.estimate import estimates_of
+from signorini.cli.commands import app
+from signorini.output.tables import results_json
+from signorini.reports import numbers, page, sections
+from signorini.reports.blocks import Table, Text, Writer
+from signorini.reports.sections import Contents
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+BAD = "<script>alert(1)</script>"
+NAMED = "\"soil\" & 'sand' </script><img src=x onerror=alert(2)>"
+
+
+def slab(**keys: Any) -> Model:
+    tables: dict[str, Any] = {
+        "title": BAD,
+        "units": {"length": "m", "force": "kN"},
+        "material": {"E": 30e6, "nu": 0.2, "unit_weight": 25},
+        "plate": {"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
+        "mesh": {"divisions": [6, 4]},
+        "support": [
+            {"name": "wall", "edge": "left", "fix": "simple"},
+            {"name": NAMED, "area": {"rectangle": [2, 0, 6, 4]}, "resists": "down", "stiffness": 2e4},
+            {"name": "feet", "at": [[5, 1], [5, 3]], "resists": "down", "stiffness": 1e4},
+        ],
+        "load": [
+            {"case": "G", "self_weight": True},
+            {"case": "Q", "pressure": 5, "area": {"rectangle": [3, 0, 6, 4]}},
+        ],
+        "combination": [
+            {"name": BAD, "group": "ULS", "factors": {"G": 1.35, "Q": 1.5}},
+            {"name": "up", "group": "ULS", "factors": {"G": 1.0, "Q": -0.8}},
+            {"name": "SLS", "group": "SLS", "factors": {"G": 1.0, "Q": 1.0}},
+        ],
+        "probe": [{"at": [3, 2]}],
+        "section": [{"name": "cut", "line": [[3, 0], [3, 4]]}],
+        "strip": [{"name": "middle", "line": [[0, 2], [6, 2]], "width": 2}],
+        "profile": [{"name": "axis", "line": [[0, 2], [6, 2]]}],
+        "report": {"project": "4711 </style>", "author": 'A. "Tony" M', "date": "2026-11-28", "revision": "B"},
+    }
+    return Model(**{**tables, **keys})
+
+
+class Parsed(HTMLParser):
+    """Sections, headings, tables and embedded results of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.sections: list[str] = []
+        self.headings: list[int] = []
+        self.values: set[float] = set()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.script, self.inside = "", False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        own = dict(attrs)
+        self.tags.append((tag, own))
+        self.inside = own.get("id") == "signorini-results"
+        if tag == "section":
+            self.sections.append(str(own["id"]))
+        if re.fullmatch("h[1-6]", tag):
+            self.headings.append(int(tag[1]))
+        if (value := own.get("data-value")) is not None:
+            self.values.add(float(value))
+
+    def handle_data(self, data: str) -> None:
+        self.script += data if self.inside else ""
+
+    @property
+    def results(self) -> Any:
+        return json.loads(self.script)
+
+
+@pytest.fixture(scope="module")
+def solved() -> tuple[signorini.Results, Any]:
+    results = signorini.solve(slab())
+    return results, estimates_of(results, lambda _: None)
+
+
+@pytest.fixture(scope="module")
+def text(solved: tuple[signorini.Results, Any]) -> str:
+    return page.page(*solved, "title = '''</pre>" + BAD + "'''")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium is installed")
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as run:
+        one = run.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield one
+        one.close()
+
+
+def contents(solved: tuple[signorini.Results, Any], **more: Any) -> Contents:
+    results, estimates = solved
+    values = results_json(results, estimates) | more
+    return Contents(results, estimates, values, Writer("en", results.model.units), "")
+
+
+def test_sections_are_in_the_order_of_a_calculation_report(text: str) -> None:
+    found = Parsed(text).sections
+    order = ["scope", "summary", "materials", "geometry", "loads", "combinations", "equilibrium", "reactions", "fields"]
+    assert found == [*order, "cuts", "warnings", "input", "glossary", "verify"]
+
+
+def test_results_json_is_embedded(text: str, solved: tuple[signorini.Results, Any]) -> None:
+    assert Parsed(text).results == json.loads(json.dumps(results_json(*solved)))
+
+
+def test_numbers_of_the_page_are_those_of_results_json(text: str) -> None:
+    found = Parsed(text)
+    for one in found.results["combinations"]:
+        for support in one["supports"]:
+            assert support["reaction"] in found.values
+            for point in support.get("points", ()):
+                assert {point["reaction"], point["gap"]} <= found.values
+        assert {cut[key] for cut in one["sections"] for key in ("moment", "twist", "shear")} <= found.values
+        assert {at["moment"] for strip in one["strips"] for at in strip["stations"]} <= found.values
+        assert set(one["probes"][0]["moment"]) <= found.values
+        assert {one["certificate"][key] for key in ("penetration", "equilibrium", "balance")} <= found.values
+    for one in found.results["governing_reactions"]:
+        assert {one["max"], one["min"], *one["max_with"], *one["min_with"]} <= found.values
+
+
+def test_names_are_text_and_never_markup(text: str) -> None:
+    assert "<script>alert" not in text and "<img src=x" not in text and "</style>" not in text.split("<title>")[0]
+    tags = [tag for tag, _ in Parsed(text).tags]
+    assert tags.count("script") == sum(tag == "script" for tag in re.findall(r"<(\w+)[\s>]", text))
+    assert not any(name.startswith("on") for _, attributes in Parsed(text).tags for name in attributes)
+
+
+def test_the_page_is_accessible(text: str) -> None:
+    found = Parsed(text)
+    assert found.headings[0] == 1 and found.headings.count(1) == 1
+    assert all(later - earlier <= 1 for earlier, later in zip(found.headings, found.headings[1:], strict=False))
+    assert all(own.get("alt") for tag, own in found.tags if tag == "img")
+    assert all(own.get("scope") in ("col", "row") for tag, own in found.tags if tag == "th")
+    ids = [own["id"] for _, own in found.tags if "id" in own]
+    assert len(ids) == len(set(ids))
+    links = {str(own["href"])[1:] for tag, own in found.tags if tag == "a"}
+    assert links <= set(ids)
+    assert {"header", "nav", "main", "footer"} <= {tag for tag, _ in found.tags}
+    assert dict(found.tags[0][1])["lang"] == "en"
+
+
+def contrast(one: str, other: str) -> float:
+    def luminance(colour: str) -> float:
+        parts = (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+        red, green, blue = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_colours_of_texts_have_contrast(text: str) -> None:
+    colours = dict(re.findall(r"--(\w+): (#\w{6})", text.split("</style>")[0]))
+    for name in ("ink", "faint", "accent"):
+        assert min(contrast(colours[name], "#ffffff"), contrast(colours[name], colours["wash"])) >= 4.5, name
+
+
+def test_german(solved: tuple[signorini.Results, Any]) -> None:
+    model = solved[0].model.varied(report=signorini.Report(language="de"))
+    german = signorini.solve(model)
+    text = page.page(german, None, "")
+    assert "Auflagerkräfte" in text and "Bemessungsmoment in x unten" in text
+    assert "Reactions" not in text and "Governing combination" not in text
+
+
+def test_every_text_is_in_both_languages() -> None:
+    from signorini.reports.blocks import _catalogue
+
+    assert all(set(one) == {"en", "de"} for one in _catalogue()["texts"].values())
+
+
+def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Results, Any]) -> None:
+    own = {
+        "name": "soil",
+        "of": "deflection",
+        "value": 90.0,
+        "limit": 100.0,
+        "utilisation": 0.9,
+        "governing": "SLS",
+        "place": [1.0, 2.0],
+    }
+    checks = [own | {"plus_minus": 0.02}, own | {"name": "tight", "plus_minus": 0.2}]
+    checks.append(own | {"name": "over", "value": 120.0, "utilisation": 1.2, "plus_minus": 0.1})
+    (table, *_) = [one for one in numbers.summary(contents(solved, checks=checks)) if isinstance(one, Table)]
+    said = [[cell.text for cell in row] for row in table.rows]
+    assert [(row[0], row[-1]) for row in said] == [
+        ("over", "failed"),
+        ("soil", "passed"),
+        ("tight", "undecided within the mesh error"),
+    ]
+    assert said[1][1:7] == ["90", "100", "m", "0.9000 ± 0.020", "C3: SLS", "(1; 2)"]
+
+
+def test_a_sheet_for_each_punched_column(solved: tuple[signorini.Results, Any]) -> None:
+    of = contents(solved)
+    column = {"name": "feet[1]", "at": [5.0, 1.0], "code": "EN 1992-1-1:2004", "openings": [], "utilisation": 0.8}
+    column |= {"u1": 3.2, "v_ed": 400.0, "v_rd_c": 500.0, "clauses": {"v_ed": "EN 1992-1-1, 6.4.3, Eq. (6.38)"}}
+    for one, used in zip(of.values["combinations"], (0.5, 0.8, 0.7), strict=True):
+        one["punching"] = [column | {"utilisation": used}]
+    blocks = list(numbers.punching(of))
+    headings = [one.words for one in blocks if isinstance(one, Text) and one.kind == "heading"]
+    assert headings == ["feet[1], (5; 1), Combination C2: up"]
+    assert any(isinstance(one, Text) and "0.8" in one.words and "passed" in one.words for one in blocks)
+
+
+def test_many_combinations_are_folded_and_counted() -> None:
+    rows = [{"name": f"c{at}", "factors": {"G": 1 + at / 100, "Q": at / 10}} for at in range(60)]
+    results = signorini.solve(slab(combination=rows))
+    text = page.page(results, None, "")
+    assert "(60 rows)" in text and "C60: c59" in text
+    assert "60 of 60 combinations" in text
+
+
+def test_a_combination_without_equilibrium_is_named() -> None:
+    feet = [{"name": "feet", "at": [[1, 1], [5, 1], [3, 3]], "resists": "down"}]
+    rows = [{"name": "down", "factors": {"G": 1}}, {"name": "lift", "factors": {"G": -1}}]
+    results = signorini.solve(slab(support=feet, combination=rows))
+    text = page.page(results, None, "")
+    assert "1 of 2 combinations" in text and "lift: " in text
+
+
+def test_a_load_path_is_shown(solved: tuple[signorini.Results, Any], tmp_path: Path) -> None:
+    path = signorini.path(slab(), "G", "Q", 2.0, steps=4)
+    (file,) = signorini.report(solved[0], tmp_path / "slab.html", solved[1], load_path=path)
+    assert "load_path" in Parsed(file.read_text("utf-8")).sections
+
+
+def test_logo(tmp_path: Path, solved: tuple[signorini.Results, Any]) -> None:
+    (tmp_path / "logo.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>")
+    assert page._logo(str(tmp_path / "logo.svg")).startswith("data:image/svg+xml;base64,")
+    for name in ("absent.svg", "logo.gif"):
+        with pytest.raises(InputError) as refused:
+            page._logo(str(tmp_path / name))
+        assert name in str(refused.value)
+
+
+def test_without_a_browser_the_message_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, solved: tuple[signorini.Results, Any]
+) -> None:
+    monkeypatch.setattr(page.shutil, "which", lambda name: None)
+    with pytest.raises(InputError, match="chromium"):
+        signorini.report(solved[0], tmp_path / "slab.html", solved[1], pdf=True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_the_file_with_the_input(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    file = tmp_path / "slab.toml"
+    file.write_text("# a remark\n" + slab(mesh={"divisions": [6, 4], "error": False}).to_toml(), "utf-8")
+    ended = CliRunner().invoke(app, ["report", str(file)])
+    assert ended.exit_code == 0, ended.output
+    written = (tmp_path / "slab.html").read_text("utf-8")
+    assert "# a remark" in written
+    assert Parsed(written).results["input"]["file"] == "slab.toml"
+
+
+class Opened:
+    """A page in a browser, with what went wrong on it."""
+
+    def __init__(self, browser: Any, file: Path, width: int = 1400) -> None:
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self.page = browser.new_page(viewport={"width": width, "height": 900})
+        self.page.on("console", lambda one: None if "GL Driver" in one.text else self.errors.append(one.text))
+        self.page.on("pageerror", lambda one: self.errors.append(str(one)))
+        self.page.on("dialog", lambda one: self.errors.append(one.message))
+        self.page.on("request", lambda one: self.requests.append(one.url))
+        self.page.goto(file.as_uri() + "#print")
+        self.page.wait_for_selector("html[data-pictures]", state="attached", timeout=120_000)
+
+
+@pytest.fixture(scope="module")
+def file(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("report") / "slab.html"
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_no_error_no_request_and_no_sideways_scrolling(browser: Any, file: Path, width: int) -> None:
+    shown = Opened(browser, file, width)
+    assert shown.errors == []
+    assert [url for url in shown.requests if not url.startswith(("data:", "file:"))] == []
+    assert shown.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_tables_sort_and_filter_by_mouse_and_keyboard(browser: Any, file: Path) -> None:
+    page = Opened(browser, file).page
+    table = page.locator("#reactions table").first
+    header = table.locator("thead th").nth(3)
+    column = "t => [...t.tBodies[0].rows].map(r => Number(r.cells[3].dataset.value))"
+    header.locator("button").click()
+    assert header.get_attribute("aria-sort") == "ascending"
+    up = table.evaluate(column)
+    assert up == sorted(up)
+    header.locator("button").press("Enter")
+    assert table.evaluate(column) == sorted(up, reverse=True)
+    filtered = table.locator("input")
+    filtered.focus()
+    page.keyboard.type("feet SLS")
+    shown = "t => [...t.tBodies[0].rows].filter(r => !r.hidden).map(r => r.cells[1].textContent)"
+    assert table.evaluate(shown) == ["feet"]
+
+
+def test_paper_has_every_folded_table_and_a_picture_of_every_field(browser: Any, file: Path) -> None:
+    shown = Opened(browser, file)
+    page = shown.page
+    assert page.locator("details:not([open])").count() > 0
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("details:not([open])").count() == 0
+    page.emulate_media(media="print")
+    titles = page.locator(".prints .title b").all_text_contents()
+    fields = page.evaluate("document.querySelector('.signorini-map').signoriniMap.data.fields.map(f => f.words)")
+    assert all(any(title.startswith(words) for title in titles) for words in fields)
+    assert page.locator(".prints img").first.is_visible()
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    assert page.locator("details:not([open])").count() > 0
+    assert shown.errors == []
+
+
+def test_pdf_has_the_title_block_on_every_page(tmp_path: Path, solved: tuple[signorini.Results, Any]) -> None:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium is installed")
+    html, pdf = signorini.report(solved[0], tmp_path / "slab.html", solved[1], pdf=True)
+    assert html.suffix == ".html" and pdf.read_bytes().startswith(b"%PDF")
+    if shutil.which("pdftotext") is None:
+        pytest.skip("no pdftotext is installed")
+    said = subprocess.run(["pdftotext", "-layout", str(pdf), "-"], capture_output=True, text=True, check=True).stdout
+    pages = said.rstrip("\f\n").split("\f")
+    assert len(pages) > 3 and all('A. "Tony" M' in one for one in pages)
+    assert all(f"{number} / {len(pages)}" in one for number, one in enumerate(pages, 1))
+
+
+def test_codes_are_named() -> None:
+    tables = {"combination": [{"generate": "en1990"}], "punching": [{"code": "ACI 318-19"}]}
+    assert sections.codes_of(tables) == ["EN 1990", "ACI 318-19"]
