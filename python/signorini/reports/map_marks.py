@@ -62,7 +62,7 @@ def support_states(result: Result, widths: Mapping[str, Any] | None) -> list[dic
     model = result.model
     size = size_of([one.reaction for one in result.supports] + [size_of(one.reactions) for one in result.supports])
     marks = support_marks(result)
-    known = [None] * len(marks) if widths is None else [*widths["supports"], *widths.get("contacts", ())]
+    known = [None] * len(result.supports) if widths is None else [*widths["supports"], *widths.get("contacts", ())]
     states = []
     for asked, mark, one, width in zip(model.support, marks, result.supports, known, strict=False):
         yields = support_mark(result.mesh, asked, one.positions, one.yielded).closed
