@@ -33,16 +33,9 @@ from signorini.model.whole import Model, Solver, Units, validate
 # fmt: off
 __all__ = [
     "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Check", "Circle", "Combination",
-    "ENVELOPED", "Annulus", "AnnulusPlate", "Arc", "Area", "Axes", "Case", "Check", "Circle", "Combination",
     "Combinations", "Contact", "Cover", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load",
     "Material", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate",
     "PolygonPlate", "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Reinforcement", "Report",
     "Section", "Solver", "Stiffness", "Strip", "Support", "Tightening", "Units", "Zone", "validate",
->>=======
-    "Combinations", "Contact", "DiscPlate", "Factors", "FieldTable", "Form", "Gamma", "Hole", "Load", "Material",
-    "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "OutlinedPlate", "Output", "Plate", "PolygonPlate",
-    "Probe", "Profile", "Punching", "RectanglePlate", "Refinement", "Report", "Section", "Solver", "Stiffness",
-    "Strip", "Support", "Tightening", "Units", "Zone", "validate",
->>>>>>> d-punching
 ]
 # fmt: on
