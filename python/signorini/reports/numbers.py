@@ -240,7 +240,11 @@ def reactions(of: Contents) -> Iterator[Block]:
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
                 rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
         head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
-        yield Table(write("simultaneous"), [*head, *(names[at] for at in columns)], rows)
+        yield Table(
+            write("simultaneous") + (f" ({first // _ACROSS + 1})" if len(every) > _ACROSS else ""),
+            [*head, *(names[at] for at in columns)],
+            rows,
+        )
 
 
 def fields(of: Contents) -> Iterator[Block]:
