@@ -353,6 +353,16 @@ def test_a_phone_shows_the_whole_map(opened: Opened, slab: Results) -> None:
     assert box["width"] > 330 and box["height"] < 844
 
 
+def test_an_envelope_names_the_governing_combination(opened: Opened, slab: Results) -> None:
+    shown, envelope = opened(map_data(slab)), slab.envelope
+    shown.show(state=0, field="mx")
+    nodes = slab["ULS"].stress_nodes
+    alone = np.flatnonzero(~np.isin(np.arange(nodes.mesh.node_count), nodes.further))[::400]
+    for node in alone.tolist():
+        name = slab.key(int(envelope.fields["mx"].largest_by[node]))
+        assert shown.js("return v.value(...a).by", nodes.points[node].tolist()) == name
+
+
 def test_half_widths_stand_beside_values(opened: Opened, footing: Results) -> None:
     estimates = signorini.estimate(footing)
     shown = opened(map_data(footing, estimates))
@@ -426,3 +436,20 @@ def test_the_script_parses(tmp_path: Path) -> None:
         pytest.skip("node is not installed")
     (tmp_path / "maps.js").write_text(assets()["maps.js"], encoding="utf-8")
     subprocess.run([node, "--check", tmp_path / "maps.js"], check=True)
+
+
+def test_a_given_stiffness_has_no_stresses() -> None:
+    given = dict.fromkeys(("Dx", "Dy"), 20e6) | {"D1": 4e6, "Dxy": 8e6, "Sx": 2e9, "Sy": 2e9}
+    model = Model(
+        plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2, "stiffness": given},
+        support=[{"edge": ["left", "right"], "fix": "simple"}],
+        load=[{"pressure": 1e3}],
+    )
+    header = map_data(signorini.solve(model)).header
+    names = {one["name"] for one in header["fields"]}
+    assert "mx" in names and "von_mises" not in names and header["left_out"] == 0
+
+
+def test_the_budget_holds_the_mesh(slab: Results) -> None:
+    with pytest.raises(InputError, match="budget"):
+        map_data(slab, budget=1000)

@@ -25,7 +25,8 @@ _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 class Blobs:
     """Deflated arrays up to ``room`` bytes of base64; ``places`` are their offsets and lengths in ``content``.
 
-    Differences are stored as zigzag codes, low bytes before high bytes: half the size of deflated values.
+    Each begins at a multiple of three bytes, so that base64 can be sliced. Differences are stored as zigzag codes, low
+    bytes before high bytes: half the size of deflated values.
     """
 
     room: int
@@ -38,11 +39,7 @@ class Blobs:
         signed = ((differences + (1 << bits - 1)) & ((1 << bits) - 1)) - (1 << bits - 1)
         codes = ((signed << 1) ^ (signed >> bits - 1)).astype(whole)
         planes = codes.view(np.uint8).reshape(-1, codes.itemsize).T
-        return self.add_bytes(np.ascontiguousarray(planes).tobytes())
-
-    def add_bytes(self, content: bytes) -> int | None:
-        """Deflate and store bytes; each blob begins at a multiple of three bytes, so that base64 can be sliced."""
-        deflated = zlib.compress(content, 9)
+        deflated = zlib.compress(np.ascontiguousarray(planes).tobytes(), 9)
         if (len(self.content) + len(deflated)) * 4 > 3 * self.room:
             return None
         self.places.append((len(self.content), len(deflated)))

@@ -18,7 +18,7 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.discretisation import OfWhole
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.expression.expression import Expression
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
@@ -27,7 +27,7 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
 from signorini.results.load_path import LoadPath
 from signorini.results.marks import drawn, extreme, panel
-from signorini.results.quantities import PICTURED, PRESSURE, SIDES, on_plate
+from signorini.results.quantities import FIELDS, PICTURED, PRESSURE, SIDES, on_plate
 from signorini.results.result import Result
 from signorini.results.support_result import areas_below
 
@@ -37,6 +37,8 @@ MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
+_MOST_NAMES = 500
+"""Largest number of governing combinations that are named under the pointer."""
 _ENDS = ("largest", "smallest")
 ASSETS = ("maps.css", "maps.vert", "maps.frag", "maps.js")
 
@@ -57,6 +59,8 @@ class _Layer(NamedTuple):
     bounds: tuple[float, float] | None = None  # a pressure outside them marks a gap
     number: int = -1
     area: AreaContact | None = None
+    by: Ints | None = None  # (s,): numbers of the rows that the values of an envelope come from
+    key: Callable[[int], str] = str  # name of a row
 
     @property
     def limit(self) -> float | None:
@@ -148,7 +152,8 @@ class _OfEnvelope:
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         nodes = plate.own.stress_nodes
         if name != PRESSURE.name:
-            yield _Layer(nodes.spread(getattr(self.envelope.on(plate).fields[name], _ENDS[self.end])))
+            values, by = self.envelope.on(plate).fields[name].sides[self.end]
+            yield _Layer(nodes.spread(values), by=by[nodes.nodes] if len(by) < nodes.count else by, key=self.key)
             return
         for kind, (where, extremes) in self.envelope.pressures.items():
             at_nodes = kind == "contact_pressure"
@@ -170,7 +175,7 @@ def map_data(
     """Collect the data of a viewer: geometry, marks, and fields of combinations and envelopes or of a path's stops.
 
     Arrays are stored until ``budget`` is used: deflection and pressure of envelopes and of governing combinations, then
-    further ``fields`` of these in the order given, then other combinations of ``results.full``.
+    further ``fields`` of these in the order given, then other combinations of ``results.full`` in the same way.
 
     Parameters
     ----------
@@ -193,24 +198,27 @@ def map_data(
         raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
     units = whole.model.units
     plates = [_Plate.of(plate, blobs) for plate in whole.discretisation.members]
-    asked = [
-        (state.rank + 3 * (name not in MAIN), order, row, plate)
+    asked = sorted(
+        (4 * (state.rank > 1) + 2 * (name not in MAIN) + state.rank % 2, order, row, plate)
         for row, state in enumerate(states)
         for order, name in enumerate(fields)
         for plate, of in enumerate(plates)
         if state.has(of.plate, name)
-    ]
-    found = {one: states[one[2]].describe(plates[one[3]].plate, fields[one[1]]) for one in sorted(asked)}
-    largest = dict[str, float]()
-    for (_, order, _, _), about in found.items():
-        kind = PICTURED[fields[order]].kind
-        largest[kind] = max(largest.get(kind, 0.0), *np.abs(about["range"]).tolist())
+    )
     stored: list[list[dict[str, Any]]] = [[{} for _ in plates] for _ in states]
-    for (_, order, row, plate), about in found.items():
-        name, of = fields[order], plates[plate]
-        layers = of.store(states[row].layers(of.plate, name), largest[PICTURED[name].kind])
-        if layers is not None:
-            stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
+    left_out = len(asked)
+    for _, order, row, plate in asked:
+        name, state, of = fields[order], states[row], plates[plate]
+        values = list(state.layers(of.plate, name))
+        known = any(np.isfinite(one.values).any() for one in values)  # a given stiffness has no stresses
+        layers = of.store(values, _largest(state, of.plate, name)) if known else []
+        if layers is None:
+            break
+        left_out -= 1
+        if not layers:
+            continue
+        about = state.describe(of.plate, name)
+        stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
     kept = [name for name in fields if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
@@ -232,11 +240,17 @@ def map_data(
             for state, row in zip(states, stored, strict=True)
             if any(row)
         ],
-        "left_out": len(found) - sum(len(of) for row in stored for of in row),
-        "combinations": len(results) if isinstance(results, Results) else 1,
+        "left_out": left_out,
         "blobs": blobs.places,
     }
     return MapData(header, bytes(blobs.content))
+
+
+def _largest(state: _State, plate: OfWhole, name: str) -> float:
+    """Largest magnitude in a state of the fields of one kind; values within its rounding are zero."""
+    alike = (one for one in FIELDS if PICTURED[one].kind == PICTURED[name].kind and state.has(plate, one))
+    values = (layer.values for one in {*alike, name} for layer in state.layers(plate, one))
+    return max(float(np.abs(of[np.isfinite(of)]).max(initial=0.0)) for of in values)
 
 
 def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -> Iterator[_State]:
@@ -307,22 +321,28 @@ class _Plate:
             "areas": {},
             "discs": [],
         }
+        if None in (header["index"], *header["xy"]):
+            raise InputError(f"found {blobs.room}; the mesh alone needs more bytes.", place="budget")
         return cls(plate, blobs, grid, header)
 
-    def store(self, layers: Iterator[_Layer], largest: float) -> list[dict[str, Any]] | None:
+    def store(self, layers: Sequence[_Layer], largest: float) -> list[dict[str, Any]] | None:
         """Store the layers of a field and return their descriptions; None without room."""
         result = []
         for layer in layers:
             codes, first, power = decimal_codes(layer.values, largest)
             blob = self.blobs.add(self.grid.at_nodes(codes) if layer.at_nodes else self.grid.on_elements(codes))
-            if blob is None:
-                return None
             about: dict[str, Any] = {"blob": blob, "first": first, "power": power, "nodes": layer.at_nodes}
             if layer.bounds is not None:
                 about["bounds"] = [end if np.isfinite(end) else None for end in layer.bounds]
             if layer.area is not None:
                 about |= {"area": layer.number, "limit": layer.limit}
                 self._keep_area(layer.number, layer.area)
+            if layer.by is not None:
+                rows, numbers = np.unique(layer.by, return_inverse=True)
+                by = self.blobs.add(self.grid.at_nodes(numbers)) if len(rows) <= _MOST_NAMES else None
+                about |= {} if by is None else {"by": by, "names": [layer.key(row) for row in rows.tolist()]}
+            if blob is None or any(area["on"] is None for area in self.header["areas"].values()):
+                return None
             result.append(about)
         return result
 

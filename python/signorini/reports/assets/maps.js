@@ -625,7 +625,8 @@
       const fields = this.data.states[at.state].plates[at.plate].fields;
       if (!fields[at.field]) at.field = this.data.fields.find((one) => fields[one.name])?.name ?? at.field;
       const plate = this.plates[at.plate], about = fields[at.field];
-      const load = (of) => Promise.all((of ? of.layers : []).map(async (layer) => ({ ...layer, nodal: await plate.values(layer) })));
+      const load = (of) => Promise.all((of ? of.layers : []).map(async (layer) => ({
+        ...layer, nodal: await plate.values(layer), rows: layer.by === undefined ? null : await plate.codes(layer.by) })));
       const [layers, [deflection]] = await Promise.all([load(about), load(fields.deflection)]);
       if (turn !== this.turnCount) return this.ready;
       const samePlate = at.plate === this.at.plate && this.view;
@@ -641,7 +642,7 @@
     }
 
     // Vertices' values and triangles of a layer: of its area's elements, and where values are known.
-    layer(plate, { nodal, nodes, area, bounds = [null, null], power, limit }) {
+    layer(plate, { nodal, nodes, area, bounds = [null, null], power, limit, rows, names }) {
       const on = area === undefined ? null : plate.areas[area].on, count = plate.elements, own = plate.own;
       const known = (e) => nodes ? [0, 1, 2, 3, 4, 5, 6, 7].every((i) => !Number.isNaN(nodal[plate.node(e, i)])) : !Number.isNaN(nodal[e]);
       const kept = Array.from({ length: count }, (_, e) => e).filter((e) => (!on || on[e]) && known(e));
@@ -649,7 +650,7 @@
       const indices = new Uint32Array(kept.length * plate.cells.length);
       kept.forEach((e, k) => plate.cells.forEach((vertex, j) => { indices[k * plate.cells.length + j] = e * own + vertex; }));
       const outline = area === undefined ? [] : plate.areas[area].outline;
-      return { values, indices, nodal, nodes, on, power, outline, bounds: [bounds[0] ?? -1e38, bounds[1] ?? 1e38],
+      return { values, indices, nodal, nodes, on, power, outline, rows, names, bounds: [bounds[0] ?? -1e38, bounds[1] ?? 1e38],
         yields: limit ? limit * (1 - 1e-4) : 1e38 };
     }
 
@@ -804,11 +805,8 @@
     value(x, y, snap = 0) {
       const { plate } = this, found = plate.locate(x, y);
       if (!found) return null;
-      let node = -1, nearest = snap;
-      for (const one of snap ? found.nodes : []) {
-        const at = plate.place(one), far = Math.hypot(at[0] - x, at[1] - y);
-        if (far < nearest) [nearest, node] = [far, one];
-      }
+      const far = (one) => { const at = plate.place(one); return Math.hypot(at[0] - x, at[1] - y); };
+      const next = found.nodes.reduce((a, b) => (far(b) < far(a) ? b : a)), node = far(next) < snap ? next : -1;
       const at = node < 0 ? [x, y] : plate.place(node), about = this.own.fields[this.at.field];
       let sum = 0, gap = true, power = -Infinity;
       for (const { nodal, nodes, on, outline, bounds, power: own } of this.layers) {
@@ -821,7 +819,8 @@
       if (power === -Infinity) return null;
       const largest = Math.max(...about.range.map(Math.abs));
       const text = gap ? this.texts.gap : `${written(sum, power, largest, about.width)} ${this.unit}`.trim();
-      return { value: sum, gap, text, at, node };
+      const { rows, names } = this.layers[0];
+      return { value: sum, gap, text, at, node, by: rows ? names[rows[next]] : "" };
     }
 
     point(px, py, keyboard = false) {
@@ -832,7 +831,8 @@
       if (found) {
         const step = Math.max(0, Math.ceil(Math.log10(this.view.scale) - 0.3)), { length } = this.data;
         this.tip.replaceChildren(make("b", { textContent: found.text }), make("span", {
-          textContent: `${this.texts.at} ${found.at.map((one) => plain(one, step, 1)).join(", ")} ${length}`.trim() }));
+          textContent: `${this.texts.at} ${found.at.map((one) => plain(one, step, 1)).join(", ")} ${length}`.trim() }),
+          make("span", { textContent: found.by && `${this.texts.by} ${found.by}` }));
         const left = clamp(px + 14, 4, this.width - this.tip.offsetWidth - 4);
         this.tip.style.transform = `translate(${left}px, ${py > 64 ? py - this.tip.offsetHeight - 12 : py + 18}px)`;
       }
@@ -1022,10 +1022,11 @@
     drawKey() {
       const { texts, own, plate, with: shown } = this, { marks } = plate, items = [];
       const swatch = (draw) => {
-        const canvas = make("canvas", { width: 60, height: 40, className: "swatch", "aria-hidden": "true" }), pen = canvas.getContext("2d");
+        const canvas = make("canvas", { width: 60, height: 40, className: "swatch", "aria-hidden": "true" });
+        const pen = canvas.getContext("2d", { willReadFrequently: true }); // without a graphics processor: faster for small pictures
         pen.scale(2, 2);
         draw(pen);
-        return make("img", { src: canvas.toDataURL(), alt: "", className: "swatch" });
+        return canvas;
       };
       const item = (draw, text) => items.push(make("li", {}, swatch(draw), text));
       const line = (look) => (pen) => this.path(pen, [[3, 10], [27, 10]], look);
