@@ -42,6 +42,7 @@ ONLY_IN = {
     "highspy": {"base"},
     "jinja2": {"reports"},
     "markupsafe": {"reports"},
+    "PIL": {"plot"},
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import struct
 import zlib
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from signorini.base.files import replacing
 from signorini.base.provenance import PROGRAM
@@ -20,6 +22,8 @@ _FAST = 1
 """
 DOTS = 120
 """Dots per inch of .png files."""
+_COLOURS = 64
+"""Number of colours of pictures with a palette."""
 
 
 def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str] | None = None) -> None:
@@ -61,6 +65,13 @@ def as_png(canvas: Any) -> bytes:
         (b"IEND", b""),
     )
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(*chunk) for chunk in chunks)
+
+
+def with_palette(png: bytes) -> bytes:
+    """Reduce a .png file to a palette of 64 colours, with which drawings look the same in a quarter of the bytes."""
+    result = io.BytesIO()
+    Image.open(io.BytesIO(png)).quantize(_COLOURS).save(result, "png", optimize=True)
+    return result.getvalue()
 
 
 _HEAD = 33

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from operator import itemgetter
 from typing import Any
 
@@ -16,6 +17,8 @@ from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, P
 _ACROSS = 8
 """Largest number of columns of simultaneous reactions in one table."""
 _BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+_MOST_REASONS = 20
+"""Largest number of combinations without equilibrium whose reason is given."""
 _LIMIT = 1e-8
 """Bound of the errors of a certificate that have no larger rounding limit."""
 
@@ -95,7 +98,7 @@ def summary(of: Contents) -> Iterator[Block]:
     yield Text(write("certified", count=count, all=len(of.results)), "good" if passed and not failed else "plain")
     if failed:
         yield Text(write("unbalanced", count=failed), "bad")
-        for name, message in of.results.unbalanced.items():
+        for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
             yield Text(f"{of.code(name)}: {message}", "bad")
     rows = [
         [
@@ -237,7 +240,11 @@ def reactions(of: Contents) -> Iterator[Block]:
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
                 rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
         head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
-        yield Table(write("simultaneous"), [*head, *(names[at] for at in columns)], rows)
+        yield Table(
+            write("simultaneous") + (f" ({first // _ACROSS + 1})" if len(every) > _ACROSS else ""),
+            [*head, *(names[at] for at in columns)],
+            rows,
+        )
 
 
 def fields(of: Contents) -> Iterator[Block]:

@@ -14,9 +14,9 @@ from signorini.base.numbers import in_unit
 from signorini.discretise import Discretisation
 from signorini.output.pictures import jobs_of
 from signorini.plot.curves import profile_picture
-from signorini.plot.files import png_of
+from signorini.plot.files import png_of, with_palette
 from signorini.plot.picture import LoadMark
-from signorini.plot.pictures import check_picture, drawn
+from signorini.plot.pictures import Figure, check_picture, drawn
 from signorini.plot.plan import Plan
 from signorini.reports.blocks import Picture, Writer
 from signorini.results import marks
@@ -27,6 +27,10 @@ from signorini.singularities.named import singularities
 _MOST_CASES = 12
 """Largest number of load cases that are drawn."""
 _PROFILED = ("deflection", *RESULTANTS, PRESSURE.name)
+
+
+def _png(figure: Figure) -> bytes:
+    return with_palette(png_of(figure))
 
 
 def qualities(results: Results) -> list[str]:
@@ -47,7 +51,7 @@ def of_model(results: Results, write: Writer) -> Iterator[Picture]:
             singular=marks.singular_marks(singularities(each)),
             length=each.model.units.length,
         )
-        yield Picture(png_of(figure), write("drawn_model") + name)
+        yield Picture(_png(figure), write("drawn_model") + name)
 
 
 def of_cases(results: Results, write: Writer) -> Iterator[Picture]:
@@ -68,7 +72,7 @@ def _of_case(each: Discretisation, loads: list[LoadMark]) -> bytes:
         totals=marks.case_totals(each),
         length=each.model.units.length,
     )
-    return png_of(figure)
+    return _png(figure)
 
 
 def _plates(results: Results) -> Iterator[tuple[str, Discretisation]]:
@@ -80,11 +84,12 @@ def _plates(results: Results) -> Iterator[tuple[str, Discretisation]]:
 
 def of_reactions(results: Results, estimates: Estimates | None) -> Iterator[Picture]:
     """Draw reactions per length along walls."""
-    for job in jobs_of(results, estimates, "governing" if len(results) > 1 else None):
+    walls = any(one.along_line for one in results.model.support)
+    for job in jobs_of(results, estimates, "governing" if len(results) > 1 else None) if walls else ():
         sheets = [sheet for sheet in job.sheets if any(picture.diagrams for picture in sheet.pictures)]
         titles = [picture.title for sheet in sheets for picture in sheet.pictures]
         for title, (_, content) in zip(titles, drawn(replace(job, sheets=sheets, metadata={})), strict=True):
-            yield Picture(content, title)
+            yield Picture(with_palette(content), title)
 
 
 def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
@@ -98,7 +103,7 @@ def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
         }
         distance = next(iter(own.values())).distance
         upward = [write.label(PRESSURE)]
-        yield Picture(png_of(profile_picture(distance, panels, profile.name + along_unit, "", upward)), profile.name)
+        yield Picture(_png(profile_picture(distance, panels, profile.name + along_unit, "", upward)), profile.name)
     for strip in model.strip if solved else ():
         stations = {one.name: one.strips[strip.name].stations for one in solved}
         places = np.array([one.at for one in next(iter(stations.values()))])
@@ -109,9 +114,9 @@ def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
             }
             for each in MEANS
         }
-        yield Picture(png_of(profile_picture(distance, panels, strip.name + along_unit, "", [])), strip.name)
+        yield Picture(_png(profile_picture(distance, panels, strip.name + along_unit, "", [])), strip.name)
 
 
 def of_path(path: LoadPath, write: Writer) -> Picture:
     """Draw reactions and deflections over the load factor."""
-    return Picture(png_of(path.plot()), write("drawn_path"))
+    return Picture(_png(path.plot()), write("drawn_path"))

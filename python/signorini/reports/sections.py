@@ -195,7 +195,9 @@ def loads(of: Contents) -> Iterator[Block]:
     for case, load in discretisation.cases.items():
         force, *moments = (discretisation.rigid_motions.T @ load.weighing).reshape(-1, 3).sum(axis=0).tolist()
         most = float(np.abs(load.weighing).sum())
-        at = None
+        at: object = None
+        if any(moments):
+            at = f"{write('couple')} ({'; '.join(f'{moment:.5g}' for moment in moments)}) {units.force_by_length(1)}"
         if abs(force) > NO_FORCE * most:
             at = [
                 middle + moment / force for middle, moment in zip(discretisation.middle.tolist(), moments, strict=True)
