@@ -84,7 +84,7 @@ def largest_depth(fck: float) -> float:
     Examples
     --------
     >>> round(largest_depth(30.0), 3), round(largest_depth(70.0), 3)
-    (0.448, 0.329)
+    (0.448, 0.326)
     """
     k1 = 0.44 if fck <= 50.0 else 0.54
     return (1.0 - k1) / (1.25 * (0.6 + 0.0014 / ultimate_strain(fck)))

@@ -333,16 +333,13 @@ def section_results(discretisation: Discretisation, through: Floats) -> Sections
         what: along_strips(what, means, *strip_sections(discretisation), bars).tolist()
         for what in (f"{name}_{face}" for name in (("moment", "as") if bars else ("moment",)) for face in _FACES)
     }
-    number = 0
+    number = iter(range(len(means)))
     for strip in discretisation.model.strip:
         stations = []
-        for x, y in strip.places[0].tolist():
-            moment, required = (
-                {face: of[number] for face in _FACES if (of := faces.get(f"{name}_{face}"))}
-                for name in ("moment", "as")
-            )
-            width, mnn, mns, qn = next(values)
-            stations.append(StationResult((x, y), width, mnn, mns, qn, moment, required or None))
-            number += 1
+        for (x, y), station in zip(strip.places[0].tolist(), number, strict=False):
+            length, moment, twist, shear = next(values)
+            design = {face: faces[f"moment_{face}"][station] for face in _FACES}
+            required = {face: faces[f"as_{face}"][station] for face in _FACES} if bars else None
+            stations.append(StationResult((x, y), length, moment, twist, shear, design, required))
         strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))
