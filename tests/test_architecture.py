@@ -35,7 +35,11 @@ LAYERS = (
     {"__main__"},
 )
 # Modules that take arrays and know no other part of the package.
-ALONE = {"shapes": {"errors", "_core"}, "design": {"base", "shapes"}, "plot": {"base", "errors", "shapes", "_core"}}
+ALONE = {
+    "shapes": {"errors", "_core"},
+    "design": {"base", "errors", "shapes"},
+    "plot": {"base", "errors", "shapes", "_core"},
+}
 # Packages that only these modules may import.
 ONLY_IN = {
     "ezdxf": {"importers"},

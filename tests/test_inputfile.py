@@ -330,7 +330,7 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
         "  slab.toml:12: support[1].gap: found -1; it must not be less than 0.",
         "  slab.toml:13: slver: unknown key 'slver'. Did you mean [solver]? Allowed here: title, units, material, "
         "plates, plate, zone, mesh, support, contact, load, cases, combination, tightening, moving, probe, section, "
-        "strip, profile, punching, check, output, solver, report.",
+        "strip, profile, punching, check, reinforcement, output, solver, report.",
     ]
 
 

@@ -95,7 +95,7 @@ def test_without_stiffness_there_is_no_soil(given):
     assert of.closed_part == pytest.approx(1.0)
     assert of.max_pressure == pytest.approx(other.max_pressure, rel=1e-9)
     assert np.isnan(ends.pressure([(3, 1)])).all()
-    (drawn,) = support_marks(ends.mesh, ends.model.support, ends.supports)
+    (drawn,) = support_marks(ends)
     assert np.nanmax(drawn.positions[:, 0]) == pytest.approx(2.0)
 
 

@@ -85,14 +85,22 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     width = None if estimates is None else estimates.half_width(f"utilisation:{check.name}", row)
     if estimates is not None and row in missing and not results.model.has_limits:
         width = 0.0
-    passed, verdict = _judged(utilisation, width, estimates is not None, len(missing))
+    passed, verdict = judged(utilisation, width, estimates is not None, len(missing))
     where = None if check.of == OVERTURNING else _place(results[name], index)
     own, part, half = (value, utilisation, width) if math.isfinite(utilisation) else (None, None, None)
     return CheckResult(check.name, check.of, own, limit, part, half, name, where, len(missing), passed, verdict)
 
 
-def _judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
-    """Whether a check passes, and the verdict in words; ``missing`` combinations have no equilibrium."""
+def judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
+    """Whether a check passes, and the verdict in words.
+
+    ``width`` is the half-width of the utilisation, None if unknown; ``missing`` combinations have no equilibrium.
+
+    Examples
+    --------
+    >>> judged(0.9, 0.2, estimated=True, missing=0)
+    (None, 'undecided: 1 is within ±')
+    """
     if utilisation - (width or 0.0) > 1.0:
         return False, "failed"
     if missing:

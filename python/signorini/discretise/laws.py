@@ -260,6 +260,12 @@ def is_unyielding(support: Support) -> bool:
     return support.is_rigid and not support.can_yield
 
 
+def constant_limit(support: Support) -> float | None:
+    """Largest force per length or pressure of a support; None without a limit, or if the limit varies."""
+    limit = support.limit
+    return limit.value if isinstance(limit, Expression) and limit.is_constant else None
+
+
 def field_of(support: Support) -> Field | None:
     """Table of the stiffness of a support, which may be 0 in part of the support; None without a table."""
     return support.stiffness if isinstance(support.stiffness, Field) else None

@@ -18,9 +18,9 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.discretisation import OfWhole
+from signorini.discretise.laws import constant_limit
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
-from signorini.expression.expression import Expression
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.results.contact_field.area_contact import AreaContact
@@ -65,8 +65,7 @@ class _Layer(NamedTuple):
     @property
     def limit(self) -> float | None:
         """Pressure at which the area yields, if it is constant."""
-        limit = None if self.area is None else self.area.support.limit
-        return limit.value if isinstance(limit, Expression) and limit.is_constant else None
+        return None if self.area is None else constant_limit(self.area.support)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +84,8 @@ class _OfResult:
         return [line for one in self._on(plate).supports if not one.upon for line in one.contact_boundary]
 
     def has(self, plate: OfWhole, name: str) -> bool:
-        return name != PRESSURE.name or bool(areas_below(self._on(plate).supports))
+        result = self._on(plate)
+        return bool(areas_below(result.supports)) if name == PRESSURE.name else name in result.fields
 
     def describe(self, plate: OfWhole, name: str) -> dict[str, Any]:
         told = self._plus_minus(plate)

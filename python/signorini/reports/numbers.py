@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from operator import itemgetter
 from typing import Any
 
+from signorini.analysis.checks import judged
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
@@ -50,25 +52,16 @@ def _limited(of: Contents, value: Any, limit: Any) -> list[Cell]:
     return [of.write.number(value), texts[0] if len(ends) == 1 else Cell(" … ".join(cell.text for cell in texts))]
 
 
-def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, float, Any, str, Any]]:
-    """Yield name, checked number, value, limit, utilisation, half-width, governing combination and place of checks."""
+def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, Any, str]]:
+    """Yield each check: name, checked number, value, limit, utilisation, half-width, combination, place, verdict."""
     for one in of.values.get("checks") or ():
-        place, used = one.get("place"), one.get("utilisation")
-        if used is not None:
-            yield (
-                one["name"],
-                one["of"],
-                one["value"],
-                one["limit"],
-                used,
-                one.get("plus_minus"),
-                one["governing"],
-                place,
-            )
+        numbers = (one[key] for key in ("value", "limit", "utilisation", "plus_minus", "governing"))
+        place, verdict = one["place"], of.write(VERDICTS[one["verdict"]])
+        yield one["name"], one["of"], *numbers, place, verdict
     for name, one, width, by in _columns(of):
-        value, limit = one["v_ed"], one["v_rd_c"]
-        told = _width(width, "utilisation")
-        yield f"{of.write('punching')} {name}", "v_ed", value, limit, one["utilisation"], told, by, one["at"]
+        value, limit, used = one["v_ed"], one["v_rd_c"], one["utilisation"]
+        told, verdict = _width(width, "utilisation"), verdict_on(of, used, _width(width, "utilisation"))
+        yield f"{of.write('punching')} {name}", "v_ed", value, limit, used, told, by, one["at"], verdict
 
 
 def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
@@ -82,10 +75,20 @@ def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
     yield from ((name, *own) for name, own in governing.items())
 
 
-def verdict(of: Contents, used: float, width: Any) -> str:
-    """Whether a check is passed, also at both ends of the half-width."""
-    half = width if isinstance(width, float | int) else 0.0
-    return of.write("passed" if used + half <= 1.0 else "failed" if used - half > 1.0 else "undecided")
+VERDICTS = {
+    "passed": "passed",
+    "failed": "failed",
+    "undecided: 1 is within ±": "undecided",
+    "± unknown": "width_unknown",
+    "no equilibrium": "no_equilibrium",
+    "no value": "no_value",
+}
+"""Key in texts.toml of each verdict of `judged`."""
+
+
+def verdict_on(of: Contents, used: float, width: Any) -> str:
+    """The verdict on a utilisation with a half-width; ``...`` if no half-widths were computed."""
+    return of.write(VERDICTS[judged(used, None if width is ... else width, width is not ..., 0)[1]])
 
 
 def summary(of: Contents) -> Iterator[Block]:
@@ -106,11 +109,13 @@ def summary(of: Contents) -> Iterator[Block]:
             *_limited(of, value, limit),
             Cell(of.unit_of(checked)),
             write.number(used, width),
-            Cell(of.code(by)),
+            Cell(of.code(by) if by else ""),
             write.place(place),
-            Cell(verdict(of, used, width)),
+            Cell(verdict),
         ]
-        for name, checked, value, limit, used, width, by, place in sorted(_checks(of), key=lambda check: -check[4])
+        for name, checked, value, limit, used, width, by, place, verdict in sorted(
+            _checks(of), key=lambda check: -(math.inf if check[4] is None else check[4])
+        )
     ]
     head = ("check", "value", "limit", "unit", "utilisation", "governing", "place", "verdict")
     yield Table(write("checks"), [write(key) for key in head], rows) if rows else Text(write("no_checks"))
@@ -374,7 +379,7 @@ def punching(of: Contents) -> Iterator[Block]:
         used, width = column["utilisation"], _width(widths, "utilisation")
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
         yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
-        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict(of, used, width)}"
+        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict_on(of, used, width)}"
         yield Text(words, "good" if used <= 1.0 else "bad")
 
 

@@ -112,13 +112,13 @@ def materials(of: Contents) -> Iterator[Block]:
             rows.append([Cell(owner), Cell(key), value_of(of, key.rpartition(".")[2], value)])
     yield Table(write("materials"), [write("part"), write("property"), write("value")], rows)
     rows = [
-        [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(str(value))]
+        [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(_words(of, value))]
         for one in of.input.get("combination", ())
         for key, value in _flat(one, ("name", "factors", "file"))
         if "generate" in one
     ]
     rows += [
-        [Cell(name), Cell(key), Cell(str(value))]
+        [Cell(name), Cell(key), Cell(_words(of, value))]
         for name, case in (of.input.get("cases") or {}).items()
         for key, value in _flat(case, ())
     ]

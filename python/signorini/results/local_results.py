@@ -316,8 +316,10 @@ def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
     part = np.linspace(0.01, 0.99, _ACROSS)[:, None]
     points = (ends[:, :1] + part * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
     point, where = nodes.mesh.holding(points)
-    thickness = np.full(len(ends), np.inf)
-    np.minimum.at(thickness, point // _ACROSS, nodes.at(Sides(point, where), discretisation.node_thickness))
+    thickness, known = np.full(len(ends), np.inf), nodes.at(Sides(point, where), discretisation.node_thickness)
+    # A thickness is NaN where the section is given by its stiffness; np.minimum keeps NaN, with a warning.
+    with np.errstate(invalid="ignore"):
+        np.minimum.at(thickness, point // _ACROSS, known)
     tangent = np.abs(np.concatenate([np.zeros((0, 2)), *(strip.places[1] for strip in strips)]))
     return thickness, np.where(tangent[:, 1] < _ALONG, 0, np.where(tangent[:, 0] < _ALONG, 1, -1))
 
