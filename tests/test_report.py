@@ -200,8 +200,10 @@ def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Result
         "governing": "SLS",
         "place": [1.0, 2.0],
     }
-    checks = [own | {"plus_minus": 0.02}, own | {"name": "tight", "plus_minus": 0.2}]
-    checks.append(own | {"name": "over", "value": 120.0, "utilisation": 1.2, "plus_minus": 0.1})
+    checks = [own | {"plus_minus": 0.02, "verdict": "passed"}]
+    checks.append(own | {"name": "tight", "plus_minus": 0.2, "verdict": "undecided: 1 is within ±"})
+    over = {"value": 120.0, "utilisation": 1.2, "plus_minus": 0.1, "verdict": "failed"}
+    checks.append(own | over | {"name": "over"})
     (table, *_) = [one for one in numbers.summary(contents(solved, checks=checks)) if isinstance(one, Table)]
     said = [[cell.text for cell in row] for row in table.rows]
     assert [(row[0], row[-1]) for row in said] == [

@@ -14,7 +14,17 @@ from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
 from signorini.reports.maps import MapData, map_data, map_html
 from signorini.reports.sections import Contents, value_of
-from signorini.results.quantities import AT_PROBES, MEANS, OF_AREAS, OF_LINES, PICTURED, SIDES, THROUGH, Quantity
+from signorini.results.quantities import (
+    AT_PROBES,
+    MEANS,
+    OF_AREAS,
+    OF_LINES,
+    PICTURED,
+    SIDES,
+    THROUGH,
+    Quantity,
+    in_model,
+)
 
 _ACROSS = 8
 """Largest number of columns of simultaneous reactions in one table."""
@@ -281,6 +291,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     """Yield sections, strips, reactions along walls, and the diagrams of profiles, strips and walls."""
     write = of.write
     sections, strips, walls = [], [], []
+    means = in_model(of.results.model, MEANS)
     for one in solved(of.values):
         name, told = Cell(of.code(one["name"])), one["plus_minus"]
         for index, cut in enumerate(one["sections"]):
@@ -289,7 +300,7 @@ def cuts(of: Contents) -> Iterator[Block]:
         for index, strip in enumerate(one["strips"]):
             for number, station in enumerate(strip["stations"]):
                 keys = ("strips", index, "stations", number)
-                cells = (write.number(station[each.name], _width(told, *keys, each.name)) for each in MEANS)
+                cells = (write.number(found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
@@ -304,7 +315,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     head = [write("combination"), write("section")]
     yield Table(write("sections"), [*head, write.titled("length", "deflection"), *map(write.label, own)], sections)
     head = [write("combination"), write("strip"), write("place"), write.titled("width", "deflection")]
-    yield Table(write("strips"), [*head, *map(write.label, MEANS)], strips)
+    yield Table(write("strips"), [*head, *map(write.label, means)], strips)
     head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
     yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
     yield from pictures.of_profiles(of.results, write)

@@ -113,6 +113,7 @@ def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
                 key: np.array([getattr(one, each.name) for one in own]) for key, own in stations.items()
             }
             for each in MEANS
+            if len(each.path) == 1  # the others have a value for each face
         }
         yield Picture(_png(profile_picture(distance, panels, strip.name + along_unit, "", [])), strip.name)
 
