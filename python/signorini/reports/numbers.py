@@ -70,7 +70,8 @@ def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, A
         yield one["name"], one["of"], *numbers, place, verdict
     for name, one, width, by in _columns(of):
         value, limit, used = one["v_ed"], one["v_rd_c"], one["utilisation"]
-        told, verdict = _width(width, "utilisation"), verdict_on(of, used, _width(width, "utilisation"))
+        told = _width(width, "utilisation")
+        _, verdict = verdict_on(of, used, told)
         yield f"{of.write('punching')} {name}", "v_ed", value, limit, used, told, by, one["at"], verdict
 
 
@@ -96,9 +97,13 @@ VERDICTS = {
 """Key in texts.toml of each verdict of `judged`."""
 
 
-def verdict_on(of: Contents, used: float, width: Any) -> str:
-    """The verdict on a utilisation with a half-width; ``...`` if no half-widths were computed."""
-    return of.write(VERDICTS[judged(used, None if width is ... else width, width is not ..., 0)[1]])
+def verdict_on(of: Contents, used: float, width: Any) -> tuple[bool | None, str]:
+    """Whether a utilisation passes, None if undecided, and the verdict in words.
+
+    ``width`` is the half-width of the utilisation; ``...`` if no half-widths were computed.
+    """
+    passed, verdict = judged(used, None if width is ... else width, width is not ..., 0)
+    return passed, of.write(VERDICTS[verdict])
 
 
 def summary(of: Contents) -> Iterator[Block]:
@@ -390,8 +395,9 @@ def punching(of: Contents) -> Iterator[Block]:
         used, width = column["utilisation"], _width(widths, "utilisation")
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
         yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
-        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict_on(of, used, width)}"
-        yield Text(words, "good" if used <= 1.0 else "bad")
+        passed, verdict = verdict_on(of, used, width)
+        words = f"{write('utilisation')} {write.number(used, width).text}: {verdict}"
+        yield Text(words, "plain" if passed is None else "good" if passed else "bad")
 
 
 def warnings(of: Contents) -> Iterator[Block]:
