@@ -52,7 +52,9 @@ class Punching(base.OnPlate):
         default=None, description="Sides [b, h] of rectangular columns; default the footprint of the support or load."
     )
     diameter: base.Positive | None = Field(default=None, description="Diameter of circular columns.")
-    angle: base.Number = Field(default=0.0, description="Rotation of column: degrees from x to its first side.")
+    angle: base.Number = Field(
+        default=0.0, description="Angle in degrees from the x axis to the first side of the rectangle `column`."
+    )
     d: Pair = Field(description="Effective depths [dx, dy] of the reinforcement.")
     rho: Pair | None = Field(default=None, description="Ratios [ρx, ρy] of the reinforcement; required by EN 1992.")
     fck: base.Positive = Field(description="Strength of the concrete, fck or f'c, as force per area.")
