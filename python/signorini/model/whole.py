@@ -430,7 +430,7 @@ class Model(Table):
         yield from self._combination_complaints()
         yield from self._preload_complaints()
         for index, punching in enumerate(self.punching):
-            complaints = punching.complaints_of(self.support, self.load, self.units)
+            complaints = punching.complaints_of(self.support, self.load, self.units, self.reinforcement is not None)
             yield from ((("punching", index, *path), message) for path, message in complaints)
         cases = tuple(dict.fromkeys([*(load.case for load in self.load), *self.positions]))
         for index, check in enumerate(self.check):

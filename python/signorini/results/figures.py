@@ -64,7 +64,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
         case list():
             return [with_widths(value, widths, (*path, index)) for index, value in enumerate(tree)]
         case int() | float():
-            given = _GIVEN & set(path) and not _OF_THE_MESH & set(path)
+            given = _GIVEN & set(path[-2:]) and not _OF_THE_MESH & set(path)
             return 0.0 if given else widths.get(path)
         case _:
             return tree
@@ -72,7 +72,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
 """Keys without half-widths: lists whose length depends on the mesh, and positions, which may not be unique."""
-_GIVEN = {"at", "length", "width", *(f"{side}_width" for side in MEAN_SIDES)}
+_GIVEN = {"at", "length", "width", "d", "rho", "fck", "fyk", *(f"{side}_width" for side in MEAN_SIDES)}
 
 
 def _places(name: str, ends: Any) -> dict[str, Any]:
