@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from models import rectangular
@@ -263,6 +264,34 @@ def test_a_table_has_the_checks_of_single_results(method: str) -> None:
             other.verdict,
         )
         assert one.utilisation == pytest.approx(other.utilisation, rel=1e-8)
+
+
+def test_the_utilisation_of_a_field_is_a_field_in_files_and_envelopes(tmp_path: Path) -> None:
+    """A limit [lower, upper] has its own sign; the envelope has the largest utilisation and its row."""
+    name = 'twist of <a> & "b"'
+    limits = {"limit": [-50.0, 200.0], "group": "SLS"}
+    checks = [{"name": name, "of": "mx", "limit": [-100.0, 50.0]}, {"name": "SLS", "of": "deflection", **limits}]
+    options = {
+        "output": {"combinations": "table", "fields": "governing"},
+        "mesh": {"divisions": [8, 8], "error": False},
+    }
+    results = solve(Model(**BASE_PLATE | options | {"check": checks}))
+    each = []
+    for result in (results[key] for key in results):
+        mx = result.fields["mx"]
+        each.append(np.where(mx < 0, mx / -100.0, mx / 50.0))
+        assert np.array_equal(result.fields[f"utilisation:{name}"], each[-1])
+        assert np.isnan(result.fields["utilisation:SLS"]).all() == (result.combination.group != "SLS")
+    result.plot(f"utilisation:{name}")
+    result.to_vtk(tmp_path / "own.vtu")
+    assert np.allclose(meshio.read(tmp_path / "own.vtu").point_data[f"utilisation:{name}"], each[-1])
+    write(results, tmp_path / "all", pictures="none")
+    found = meshio.read(tmp_path / "all" / "envelope.vtu").point_data
+    assert np.allclose(found[f"utilisation:{name}_max"], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    rows = found[f"utilisation:{name}_max_row"].astype(int)
+    assert np.allclose(np.array(each)[rows, np.arange(len(rows))], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    assert "utilisation:SLS_max" not in found
+    assert "utilisation:SLS_max" in meshio.read(tmp_path / "all" / "envelope-sls.vtu").point_data
 
 
 def test_a_path_finds_where_a_check_is_reached() -> None:

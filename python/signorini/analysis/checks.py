@@ -76,7 +76,7 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
         factors = load_factors(results.discretisation, [combinations[row] for row in missing], check.grows)
         with np.errstate(divide="ignore"):
             known += zip((1.0 / factors).tolist(), missing, strict=True)
-    used = [float(value / check.limit_of(np.array(value))) for value, _ in known]
+    used = [float(check.used(np.array(value))) for value, _ in known]
     if not used:
         verdict = "no equilibrium" if missing else "no value"
         return CheckResult(check.name, check.of, None, None, None, None, None, None, len(missing), None, verdict)

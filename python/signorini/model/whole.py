@@ -269,6 +269,12 @@ class Model(Table):
         original: Model = self.__dict__.get("_original", self)
         return original
 
+    @property
+    def part(self) -> str:
+        """Name of the plate, if this is the model of one of several plates; else empty."""
+        name: str = self.__dict__.get("_part", "")
+        return name
+
     def _cached(self) -> dict[str, Any]:
         """Entries of ``__dict__`` that are no fields: cached properties, the input file, the original model."""
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}

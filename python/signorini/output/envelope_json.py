@@ -13,11 +13,12 @@ from signorini.accuracy.comparison import Meshes, compared, known
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Floats
-from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
+from signorini.results.checks import utilisations
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.figures import columns_named, with_widths
 from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
@@ -226,10 +227,14 @@ def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
 
 
 def write_envelope(
-    nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str], metadata: Mapping[str, str]
+    plate: OfWhole, envelope: Envelope, group: str, path: str | os.PathLike[str], metadata: Mapping[str, str]
 ) -> None:
-    """Write a .vtu file with the extremes of every field at the nodes, and the row numbers of their combinations."""
-    mesh = nodes.mesh
+    """Write a .vtu file with the extremes of a group at the nodes of a plate, and the numbers of their rows.
+
+    Extremes are those of every field, and the largest utilisation of each check that includes the group.
+    """
+    nodes, model = plate.own.stress_nodes, plate.own.model
+    mesh, envelope = nodes.mesh, envelope.on(plate)
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}
     fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
@@ -241,5 +246,9 @@ def write_envelope(
                 data = np.full(count, float(elsewhere))
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
+    for name, (field, check) in utilisations(model).items():
+        if field in envelope.fields and check.includes(group, model.effective_combinations):
+            values, rows = envelope.utilisation(field, check)
+            at_nodes |= {f"{name}_max": values, f"{name}_max_row": rows.astype(np.float64)}
     at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
     write_vtu(path, as_meshio(nodes.points, nodes.elements, at_nodes, of_elements), metadata)

@@ -18,7 +18,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
-from signorini.results.checks import completed
+from signorini.results.checks import completed, utilisations
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
 from signorini.results.punching import ColumnResult
@@ -152,9 +152,10 @@ class ResultState(Remade):
 
         deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at stress nodes (s,): mx,
         my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top, von_mises
-        and txz; with [reinforcement] the required areas such as as_x_bottom.
+        and txz; with [reinforcement] the required areas such as as_x_bottom. The utilisation of a check of a field is
+        a field "utilisation:NAME"; it is NaN if the check does not include the combination.
         """
-        names = [one.name for one in in_model(self.model, FIELDS.values())]
+        names = [*(one.name for one in in_model(self.model, FIELDS.values())), *utilisations(self.model)]
         return OnDemand(names, self._field, None, "field", "This result")
 
     def _field(self, name: str) -> Floats:
@@ -162,6 +163,10 @@ class ResultState(Remade):
         if name in LINEAR:
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
+        elif name not in FIELDS:
+            measured, check = utilisations(self.model)[name]
+            checked = self.combination is None or check.applies_to(self.combination)
+            field = check.used(self.fields[measured]) if checked else np.full_like(self.fields[measured], np.nan)
         else:
             moment = self._moment_at_faces if name in OF_BARS else self.moment
             field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
@@ -195,7 +200,8 @@ class ResultState(Remade):
         found = dict[str, ProfileResult]()
         for one in self.members.values():
             profiles, areas = one.model.profile if one.status == "solved" else (), areas_below(one.supports)
-            results = profile_results(profiles, one.fields, one.stress_nodes, areas) if profiles else ()
+            fields = {name: one.fields[name] for name in one.fields if name in FIELDS} if profiles else {}
+            results = profile_results(profiles, fields, one.stress_nodes, areas) if profiles else ()
             found |= {result.name: result for result in results}
         in_order = {one.name: found[one.name] for one in self.model.profile if one.name in found}
         return Named(in_order, "profile", "This result")
