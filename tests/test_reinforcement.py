@@ -247,6 +247,49 @@ def test_strips_have_the_design_moments_and_areas_of_their_means() -> None:
     assert found["max"] == max(one.strips[0].stations[1].reinforcement["bottom"] for one in results.values())
 
 
+def test_bars_within_a_column_are_those_at_its_faces() -> None:
+    """A slab on a wall pier across it: fields, probes and strips, with several plates, in results and tables."""
+    wall = {"name": "wall", "at": [2, 0.5], "patch": [0.4, 1.0], "resists": "both"}
+    plates = {
+        "own": {"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
+        "other": {"shape": "rectangle", "size": [1, 1], "origin": [9, 0], "thickness": 0.3},
+    }
+    ends = [{"name": "ends", "plate": "own", "edge": ["left", "right"], "fix": "clamped"}]
+    model = Model(
+        units=UNITS,
+        material={"E": 30e6, "nu": 0.0},
+        reinforcement=BARS | {"face": True},
+        plates=plates,
+        mesh={"size": 0.1},
+        support=[wall | {"plate": "own"}, *ends, {"plate": "other", "edge": "left", "fix": "clamped"}],
+        load=[{"plate": name, "case": "G", "pressure": 30} for name in plates],
+        combination=[{"name": "C", "factors": {"G": 1.0}}, {"name": "D", "factors": {"G": 0.5}}],
+        probe=[{"plate": "own", "at": [[2, 0.5], [1.9, 0.3], [1.5, 0.5]]}],
+        strip=[{"name": "s", "plate": "own", "line": [[0, 0.5], [4, 0.5]], "width": 0.8, "stations": 41}],
+        output={"combinations": "each"},
+    )
+    results = solve(model)
+    result, table = results["C"], solve(model.model_copy(update={"output": Output(combinations="table")}))
+    centre, inside, beyond = result.probes
+    station = {round(one.at[0], 6): one for one in result.strips[0].stations}
+    left, right = station[1.8].moment, station[2.2].moment
+    face = 0.5 * (left + right)
+    assert centre.moment[0] < 1.05 * face < 0  # hogging is larger at the middle than at the face
+    for probe in (centre, inside):
+        assert probe.design_moment["top"][0] == pytest.approx(face, rel=0.01)
+    assert beyond.design_moment["top"][0] == pytest.approx(min(beyond.moment[0] - abs(beyond.moment[2]), 0), rel=1e-9)
+    assert station[2.0].design_moment["top"] == pytest.approx(min(left, right), rel=1e-6)
+    assert station[2.0].moment < 1.05 * min(left, right)
+    own = result.plates["own"]
+    near = np.abs(own.stress_nodes.points[:, 0] - 2.0) <= 0.2
+    assert own.fields["mx_top"][near] == pytest.approx(face, rel=0.01)
+    whole = result.fields["mx_top"]
+    assert np.sort(whole) == pytest.approx(np.sort([v for of in result.plates.values() for v in of.fields["mx_top"]]))
+    assert own.probe((2, 0.5))[0].reinforcement == centre.reinforcement
+    for column in ("probe[1]:as_x_top", "strip[s][21]:as_top"):
+        assert table.table[column] == pytest.approx(results.table[column], rel=1e-8)
+
+
 def test_bars_at_columns_are_designed_for_the_means_there() -> None:
     columns = {"name": "columns", "at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "down"}
     load = [{"case": "G", "pressure": 20}, {"case": "Q", "force": 30, "at": [2, 2]}]

@@ -45,6 +45,7 @@ from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
+from signorini.shapes import Region
 
 _MAX_ELEMENTS = 10_000_000
 """Largest number of elements of a regular mesh; a larger number is a typing error, and its mesh fits into no memory."""
@@ -404,8 +405,14 @@ class Model(Table):
         return None if own is None else own.section(units.length, units.force)
 
     @property
+    def footprints(self) -> tuple[tuple[tuple[float, float], Region], ...]:
+        """Points of supports with their footprints."""
+        places = (support.where for support in self.support if support.at)
+        return tuple(pair for where in places for pair in zip(where.points, where.footprints, strict=False))
+
+    @property
     def at_faces(self) -> bool:
-        """Whether bars at columns are designed for mean moments, see `Reinforcement.face`."""
+        """Whether bars at columns are designed for moments at the faces, see `Reinforcement.face`."""
         return self.reinforcement is not None and self.reinforcement.face
 
     @property
@@ -448,8 +455,6 @@ class Model(Table):
         if self.reinforcement is not None:
             found = self.reinforcement.complaints_in(self.units.length, self.units.force)
             yield from ((("reinforcement", *place), message) for place, message in found)
-            if self.at_faces and self.plates:
-                yield ("reinforcement", "face"), "face is for one plate; remove it, and use the means at columns."
             return
         for position, name in enumerate(self.output.envelope):
             if name.startswith("as_"):

@@ -35,7 +35,6 @@ from signorini.results.quantities import (
     with_extremes,
 )
 from signorini.results.support_result import SupportResult, areas_below
-from signorini.singularities.beside import at_faces
 from signorini.singularities.singularity import Singularity, at_peaks
 
 Status = Literal["solved", "no_equilibrium"]
@@ -122,6 +121,8 @@ class ResultState(Remade):
     """Numbers (k,) of the catalogue without extremes of fields and most checks, which are NaN."""
     combination: Combination | None
     means: Means | None = None
+    moment_of_bars: Floats | None = None
+    """Moments (s, 3) for the design of bars at columns, see `Reinforcement.face`; None if they are ``moment``."""
     punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
     """Results of the columns of [[punching]], found by number from 0 or by name, as ``"columns[1]"``."""
     plates: Mapping[str, Self] = field(default_factory=dict)
@@ -168,17 +169,10 @@ class ResultState(Remade):
             checked = self.combination is None or check.applies_to(self.combination)
             field = check.used(self.fields[measured]) if checked else np.full_like(self.fields[measured], np.nan)
         else:
-            moment = self._moment_at_faces if name in OF_BARS else self.moment
+            moment = self.moment if self.moment_of_bars is None or name not in OF_BARS else self.moment_of_bars
             field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
-
-    @cached_property
-    def _moment_at_faces(self) -> Floats:
-        """Moments (s, 3) for the design of bars, see `Reinforcement.face`."""
-        if not self.model.at_faces or self.means is None:
-            return self.moment
-        return at_faces(self.moment, self.means.values, self.means.beside, self.stress_nodes.points)
 
     @cached_property
     def profiles(self) -> Mapping[str, ProfileResult]:
