@@ -162,6 +162,30 @@ def test_fields_extremes_probes_and_files_have_the_reinforcement(tmp_path: Path)
     assert (tmp_path / "all-reinforcement.png").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("several", [False, True])
+def test_where_the_minimum_governs_is_flagged_at_probes_and_extremes(several: bool) -> None:
+    """Bars along x need more than the minimum under 12 kN/m², and the minimum under 1 kN/m²."""
+    factors = [{"name": name, "factors": {"load": factor}} for name, factor in (("light", 1 / 12), ("heavy", 1.0))]
+    changes: Any = {
+        "combination": factors,
+        "output": {"combinations": "table", "fields": "all", "envelope": ["as_x_bottom"]},
+    }
+    model = slab(**changes, probe=[{"at": [[2, 2], [0.2, 2]]}])
+    if several:
+        tables = model.model_dump(exclude_unset=True) | {"plates": {"slab": model.plate.model_dump(exclude_unset=True)}}
+        of_plate = [{**tables[key][0], "plate": "slab"} for key in ("support", "load", "probe")]
+        named = {key: [one] for key, one in zip(("support", "load", "probe"), of_plate, strict=True)}
+        model = Model(**{key: of for key, of in tables.items() if key != "plate"} | named)
+    found = results_json(solve(model))
+    light, heavy = found["combinations"]
+    assert light["probes"][0]["minimum_governs"] == {"bottom": [True, True], "top": [False, False]}
+    assert heavy["probes"][0]["minimum_governs"]["bottom"][0] is False
+    assert [one["fields"]["as_x_bottom"]["minimum_governs"] for one in (light, heavy)] == [True, False]
+    envelope = found["envelope"]
+    assert [one["as_x_bottom"]["minimum_governs"] for one in envelope["probes"]] == [False, True]
+    assert envelope["fields"]["as_x_bottom"]["minimum_governs"] is False
+
+
 def test_where_the_section_is_too_thin_areas_are_infinite_and_a_warning_says_so(tmp_path: Path) -> None:
     results = solve(slab(load=[{"pressure": 120}]))
     one = results["all"]

@@ -13,6 +13,8 @@ from signorini.accuracy.comparison import Meshes, compared, known
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.base.on_demand import kept
+from signorini.discretise import Discretisation
 from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import as_meshio, write_vtu
@@ -20,8 +22,9 @@ from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
 from signorini.results.checks import utilisations
 from signorini.results.envelope import NONE, Envelope
+from signorini.results.extremes import least_at
 from signorini.results.figures import columns_named, with_widths
-from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
+from signorini.results.quantities import ENDS, REINFORCEMENT, SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.beside import beside_of
 from signorini.singularities.named import excluding, singularities
@@ -169,9 +172,12 @@ class _Shown:
                 if row == NONE
                 else {side: None if np.isinf(value) else value, f"{side}_by": results.key(row)}
             )
+            place = list[float]()
             if one.home in ("field", "mean"):
                 place = envelope.places[one.owner, ENDS.index(side)].tolist()
                 at[f"{side}_at"] = None if row == NONE else place
+            if one.quantity.name in REINFORCEMENT and side == "max":
+                at["minimum_governs"] = None if row == NONE else _is_least(results, one, value, place)
             if one.home == "mean":
                 of = excluding(results.discretisation, one.quantity.singular, cases)
                 named = [part for part in of if one.over_plates or part.plate == path[1]]
@@ -209,6 +215,25 @@ class _Shown:
         for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
             extremes |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
         return extremes
+
+
+def _is_least(results: Results, one: Number, area: float, place: Sequence[float]) -> bool:
+    """Whether an area of bars at a node's ``place``, or at a probe, is the minimum."""
+    found, name, bars = results.discretisation, one.quantity.name, results.model.bars
+    assert bars is not None  # There are no areas of bars without [reinforcement].
+    if one.home == "field":
+        return least_at(name, area, place, bars, found.stress_nodes, found.node_thickness)
+    return bool(bars.are_least(name, area, _at_probes(found)[one.owner]))
+
+
+@kept
+def _at_probes(found: Discretisation) -> Floats:
+    """Thickness (q,) at all probes of a model."""
+    tables = dict[int, Floats]()
+    for plate in found.members:
+        ends = np.cumsum([len(probe.at) for probe in plate.own.model.probe])
+        tables |= zip(plate.numbers["probe"], np.split(plate.own.probe_thickness, ends), strict=False)
+    return np.concatenate([tables[index] for index in sorted(tables)])
 
 
 def _width_at(results: Results, place: Sequence[float]) -> float:

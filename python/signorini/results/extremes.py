@@ -83,6 +83,12 @@ class FieldExtremes:
         return cls(*ends[0], *ends[1])
 
 
+def least_at(name: str, area: float, at: Sequence[float], bars: Bars, nodes: StressNodes, thickness: Floats) -> bool:
+    """Whether an area of the field ``name`` at a node's place is the minimum for a thickness there."""
+    apart = np.hypot(*(nodes.points - np.asarray(at)).T)
+    return bool(bars.are_least(name, area, thickness[apart <= apart.min()]).any())
+
+
 def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExtremes]:
     """Extremes of each field over several plates."""
     result = {}

@@ -85,6 +85,18 @@ class ProbeResult:
         """
         return self._at_faces("as_x", "as_y") if self.bars else None
 
+    @property
+    def minimum_governs(self) -> dict[str, tuple[bool, bool]] | None:
+        """Whether each `reinforcement` is the minimum; None without [reinforcement]."""
+        bars, areas = self.bars, self.reinforcement
+        if bars is None or areas is None:
+            return None
+        x, y = (
+            {face: bool(bars.are_least(f"as_{axis}_{face}", areas[face][at], self.thickness)) for face in areas}
+            for at, axis in enumerate("xy")
+        )
+        return {face: (x[face], y[face]) for face in areas}
+
     def _at_faces(self, x: str, y: str) -> dict[str, tuple[float, float]]:
         names = [f"{name}_{face}" for face in ("bottom", "top") for name in (x, y)]
         a, b, c, d = self._derived(*names, moment=self.of_bars or self.moment)
