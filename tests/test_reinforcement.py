@@ -162,6 +162,20 @@ def test_fields_extremes_probes_and_files_have_the_reinforcement(tmp_path: Path)
     assert (tmp_path / "all-reinforcement.png").stat().st_size > 10_000
 
 
+def test_a_table_says_in_which_combination_and_where_a_section_cannot_resist() -> None:
+    """The required areas are enveloped by default; at a column without footprint the mean moment counts."""
+    factors = [{"name": name, "factors": {"load": factor}} for name, factor in (("light", 1.0), ("heavy", 14.0))]
+    changes: Any = {"combination": factors, "mesh": {"divisions": [8, 8]}}
+    columns = {"name": "columns", "at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "both"}
+    for supports in ({}, {"support": [columns]}):
+        model = slab(**changes, **supports, output={"combinations": "table"})
+        said = [one for one in results_json(solve(model))["table"]["warnings"] if "infinite" in one]
+        assert said and all('"heavy"' in one and "[" in one for one in said)
+        assert any("mean" in one for one in said) == bool(supports)
+        own = [one for one in solve(slab(**changes, **supports))["heavy"].warnings if "infinite" in one]
+        assert own and not any("infinite" in one for one in solve(slab(**changes, **supports))["light"].warnings)
+
+
 @pytest.mark.parametrize("several", [False, True])
 def test_where_the_minimum_governs_is_flagged_at_probes_and_extremes(several: bool) -> None:
     """Bars along x need more than the minimum under 12 kN/m², and the minimum under 1 kN/m²."""

@@ -83,7 +83,8 @@ class Output(Table):
     )
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
-        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none.",
+        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none. "
+        "With [reinforcement] the default has the required areas, too.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:

@@ -25,7 +25,7 @@ from signorini.results.envelope import NONE, Envelope
 from signorini.results.extremes import least_at
 from signorini.results.figures import columns_named, with_widths
 from signorini.results.quantities import ENDS, REINFORCEMENT, SIDES, Number, Path, Quantity, place_of
-from signorini.results.warnings import idle_cases, model_warnings, too_far
+from signorini.results.warnings import idle_cases, model_warnings, rows_too_thin, too_far
 from signorini.singularities.beside import beside_of
 from signorini.singularities.named import excluding, singularities
 
@@ -50,13 +50,14 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Yield warnings about the model and, if deflections are enveloped, about large deflections."""
+    """Yield warnings about the model and, if they are enveloped, about deflections and required reinforcement."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest
         yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
+    yield from rows_too_thin(results.envelope, results.key)
     if estimates is not None and estimates.no_others:
         yield estimates.no_others
 

@@ -138,7 +138,8 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools, bars: Bar
         return np.full((*values.shape[:-1], 2), np.nan), np.zeros((*values.shape[:-1], 2), np.int64)
     signed = np.stack([values, -values], axis=-2)
     most = np.fmax.reduce(signed, axis=-1)
-    near = signed >= (most - _ALIKE * np.fmax.reduce(np.abs(signed), axis=-1))[..., None]
+    size = np.fmax.reduce(np.where(np.isinf(signed), 0.0, np.abs(signed)), axis=-1)
+    near = signed >= (most - _ALIKE * size)[..., None]
     return most * [1.0, -1.0], near.argmax(axis=-1) // len(lines)
 
 

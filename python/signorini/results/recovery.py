@@ -70,7 +70,7 @@ def recovered(
     model, at, thick = discretisation.model, discretisation.probe_positions, discretisation.probe_thickness
     catalogue = catalogue_of(discretisation, with_extremes(model))
     means = Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting)
-    of_bars = at_faces(means.faces, stress[:, :3], stress[:, :3], nodes.points) if model.at_faces else None
+    of_bars = at_faces(means.faces, stress[:, :3], stress[:, :3], nodes.points)
     return Result(
         name=load_of if isinstance(load_of, str) else load_of.name,
         status="solved",
@@ -92,14 +92,14 @@ def recovered(
         probes=probe_results(at, readings.probes[0], readings.pressures[0], thick, model.bars, readings.of_bars[0]),
         **section_results(discretisation, readings.linear.through[0]),
         seconds=time.perf_counter() - begun,
-        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique, stress),
+        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique, of_bars, means),
         singular=singularities(discretisation, load.acting),
         thickness=thickness,
         catalogue=catalogue,
         _read=overturned(discretisation, catalogue, readings.numbers(catalogue), [load_of])[0],
         combination=None if isinstance(load_of, str) else load_of,
         means=means,
-        moment_of_bars=of_bars,
+        moment_of_bars=of_bars if model.at_faces else None,
         punching=Listed(column_results(discretisation, readings.punching), "punching"),
     )
 
