@@ -12,6 +12,7 @@ import pytest
 from models import rectangular
 
 from signorini import InputError, Model, Results, check_results, estimate, path, solve, write
+from signorini.analysis.estimate import estimates_of
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import largest_factor
@@ -251,6 +252,34 @@ def test_half_widths_of_utilisations_are_those_of_the_values_over_the_limit() ->
             and (width := estimates.half_width(column, one.governing)) is not None
         ]
         assert one.plus_minus == pytest.approx(widths[0] / abs(one.limit), rel=1e-12)
+
+
+@pytest.mark.parametrize("tabulated", ["each", "table", "file"])
+def test_a_check_passes_only_with_the_half_width_of_every_combination(tabulated: str, tmp_path: Path) -> None:
+    """The combination with the largest utilisation is certain to pass; another one has a half-width beyond 1."""
+    load = [
+        {"case": "even", "pressure": 1e3},
+        {"case": "wheel", "force": 1e4, "at": [2, 2], "patch": [0.4, 0.4]},
+    ]
+    support = [{"edge": ["left", "right"], "fix": "simple"}]
+    alike = {"divisions": [6, 6], "load": load, "support": support, "probe": [{"at": [2, 2]}]}
+    each = [{"name": case, "factors": {case: 1.0}} for case in ("even", "wheel")]
+    first = estimate(solve(rectangular(**alike, combination=each)))
+    even, wheel = (first[case].result.probes[0].moment[0] for case in ("even", "wheel"))
+    relative = first["wheel"].plus_minus["probes"][0]["moment"][0] / wheel
+    assert relative > 0.1 > 10 * first["even"].plus_minus["probes"][0]["moment"][0] / even
+    each = [{"name": "even", "factors": {"even": 0.96 / even}}, {"name": "wheel", "factors": {"wheel": 0.94 / wheel}}]
+    output = {"combinations": "each" if tabulated == "each" else "table"}
+    check = [{"name": "bars", "of": "probe[1].mx", "limit": 1.0}]
+    model = rectangular(**alike, combination=each, output=output, check=check)
+    file = tmp_path / "table.parquet" if tabulated == "file" else None
+    results = solve(model) if file is None else solve(model, table=file)
+    estimates = estimate(results) if file is None else estimates_of(results, lambda now: None, file)
+    (one,) = check_results(results, estimates)
+    assert (one.governing, one.passed, one.verdict) == ("even", None, "undecided: 1 is within ±")
+    assert one.utilisation + one.plus_minus < 1.0
+    (alone,) = check_results(results)
+    assert alone.passed is True
 
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
