@@ -1,6 +1,7 @@
 """Punching by EN 1992-1-1:2004, 6.4, with corrigenda and the amendment A1:2014. Units: MPa, mm, N.
 
-Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd (A1:2014). σcp = 0.
+Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd of A1:2014 in place of 0.5 ν fcd of the
+edition of 2004. σcp = 0.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ ON_RAFTS = {
     "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
 }
 """Clauses of columns on foundations, in place of those in `CLAUSES`."""
-_DISTANCES = (np.arange(4, 17) / 8.0).tolist()
+_DISTANCES = (np.arange(1, 17) / 8.0).tolist()
 """Distances of perimeters around a column on a foundation, relative to d: 6.4.4(2), a ≤ 2d."""
 
 
@@ -162,8 +163,12 @@ class Punching:
         return _Shapes(*map(np.array, zip(*every, strict=True)))
 
     def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
-        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
-        return tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5).
+
+        On a pad that ends within d on both sides, the column does not stand at an edge.
+        """
+        near = (normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+        return tuple(normal for normal in near if self.plan.gap(-normal) > self.depth)
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
         """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""

@@ -278,8 +278,8 @@ class Plan:
         return self._unshaded(pieces).length
 
     def gap(self, normal: complex) -> float:
-        """Distance of the column from the free edge with an outward normal."""
-        return min(gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME)
+        """Distance of the column from the free edge with an outward normal; infinite without such an edge."""
+        return min((gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
 
     def _unshaded(self, pieces: Pieces) -> Pieces:
         """Parts outside the sectors between tangents from the column's centre to openings."""
