@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test_spreadsheet import read
 
 import signorini
 from signorini import InputError, Model
@@ -276,6 +277,21 @@ def test_the_command_writes_the_file_with_the_input(tmp_path: Path) -> None:
     written = (tmp_path / "slab.html").read_text("utf-8")
     assert "# a remark" in written
     assert Parsed(written).results["input"]["file"] == "slab.toml"
+
+
+def test_the_command_prints_checks_failed_ones_first_and_writes_a_spreadsheet(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    checks = [{"name": name, "of": "deflection", "limit": limit} for name, limit in (("wide", 9.0), ("tight", 1e-9))]
+    rows = [{"name": "down", "factors": {"G": 1}}, {"name": "up", "factors": {"G": -1}}]
+    file = tmp_path / "slab.toml"
+    file.write_text(slab(check=checks, combination=rows, mesh={"divisions": [6, 4]}).to_toml(), "utf-8")
+    ended = CliRunner().invoke(app, ["report", str(file), "--xlsx", "--no-error"])
+    assert ended.exit_code == 3, ended.output
+    said = ended.stdout
+    assert said.index("tight") < said.index("wide") and "Failed checks: tight." in said
+    values = Parsed((tmp_path / "slab.html").read_text("utf-8")).results["checks"]
+    assert {one["name"] for one in read(tmp_path / "slab.xlsx")["Checks"]} == {one["name"] for one in values}
 
 
 class Opened:
