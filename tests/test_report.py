@@ -234,6 +234,16 @@ def test_many_combinations_are_folded_and_counted() -> None:
     assert "60 of 60 combinations" in text
 
 
+def test_a_page_of_table_rows_solves_none_again_and_has_two_megabytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = {f"c{at}": [1 + at / 100, at / 300] for at in range(300)}
+    table = {"generate": "table", "columns": ["G", "Q"], "rows": rows}
+    probes = [{"at": [[1 + at / 10, 2] for at in range(40)]}]
+    results = signorini.solve(slab(combination=[table], probe=probes, mesh={"divisions": [60, 40], "error": False}))
+    monkeypatch.setattr("signorini.analysis.results.solve_one", None)
+    assert len(results) == 300 and "c299" in results and "c300" not in results
+    assert len(page.page(results, None, "").encode()) < 2_000_000
+
+
 def test_a_combination_without_equilibrium_is_named() -> None:
     feet = [{"name": "feet", "at": [[1, 1], [5, 1], [3, 3]], "resists": "down"}]
     rows = [{"name": "down", "factors": {"G": 1}}, {"name": "lift", "factors": {"G": -1}}]

@@ -24,7 +24,7 @@ from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
 from signorini.output.tables import results_json
 from signorini.reports import numbers, sections
-from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.blocks import Block, Map, Section, Text, Writer, data_uri
 from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
@@ -34,6 +34,10 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 _LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_LOGO = 500_000
 """Largest size of a logo [bytes]."""
+_LARGEST_PAGE = 1_900_000
+"""Size of a page up to which it has arrays of maps [bytes]; the texts of the maps are added."""
+_LEAST_MAP = 600_000
+"""Size that the arrays of a map may have on every page [bytes]."""
 _SECONDS = 180
 """Longest time that a browser may take to print."""
 
@@ -157,7 +161,7 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html").render(
+    text = environment.get_template("page.html").render(
         write=write,
         title=title,
         block=block,
@@ -170,6 +174,11 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         maps=Markup(assets_html()),
         results=Markup(_embedded(values)),
     )
+    maps = [one for each in own for one in each.blocks if isinstance(one, Map)]
+    for index, one in enumerate(maps):
+        room = (_LARGEST_PAGE - len(text.encode())) // (len(maps) - index)
+        text = text.replace(one.place, one.markup(max(room, _LEAST_MAP)), 1)
+    return text
 
 
 def _asset(name: str) -> str:

@@ -114,7 +114,7 @@ def materials(of: Contents) -> Iterator[Block]:
     rows = [
         [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(_words(of, value))]
         for one in of.input.get("combination", ())
-        for key, value in _flat(one, ("name", "factors", "file"))
+        for key, value in _flat(one, ("name", "factors", "file", "columns", "rows"))
         if "generate" in one
     ]
     rows += [
