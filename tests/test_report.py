@@ -1,9 +1,11 @@
 """The report: its numbers are those of results.json, names are text, it needs no network, and it prints."""
 
+import base64
 import json
 import re
 import shutil
 import subprocess
+import zlib
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -83,7 +85,7 @@ class Parsed(HTMLParser):
 
     @property
     def results(self) -> Any:
-        return json.loads(self.script)
+        return json.loads(zlib.decompress(base64.b64decode(self.script)))
 
 
 @pytest.fixture(scope="module")

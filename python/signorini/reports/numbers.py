@@ -214,7 +214,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             for name, bound in zip(_BOUNDED, bounds, strict=True)
         ]
         passed = write("passed" if found_errors["passed"] else "failed")
-        errors.append([Cell(of.code(one["name"])), *cells, Cell(passed)])
+        errors.append([Cell(of.short(one["name"])), *cells, Cell(passed)])
     unit = write.unit("reaction")
     head = [write("combination"), *(write(key) + unit for key in ("load_sum", "reaction_sum", "difference"))]
     yield Table(write("balance_table"), head, rows)
@@ -236,7 +236,7 @@ def reactions(of: Contents) -> Iterator[Block]:
             areas = ((own[area.name], _width(one["plus_minus"], *keys, area.name)) for area in OF_AREAS[:2])
             rows.append([*cells, *(write.number(*pair) for pair in areas)])
             for number, point in enumerate(own.get("points") or ()):
-                cells = [Cell(of.code(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
+                cells = [Cell(of.short(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
                 for key, size in sizes.items():
                     cells.append(
                         write.number(point[key], _width(one["plus_minus"], *keys, "points", number, key), size)
@@ -260,7 +260,7 @@ def reactions(of: Contents) -> Iterator[Block]:
                     write.number(one[side], _width(one["plus_minus"], side), largest),
                 ]
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
-                rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
+                rows.append([*cells, Cell(of.short(one[f"{side}_by"])), *together])
         head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
         yield Table(
             _part(write("simultaneous"), first, len(every)),
@@ -283,7 +283,7 @@ def fields(of: Contents) -> Iterator[Block]:
         some, rows = known[first : first + _ACROSS], []
         for one, number, probe in told:
             keys = ("probes", number)
-            cells = [Cell(of.code(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
+            cells = [Cell(of.short(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
             numbers = ((found(probe, *each.path), _width(one["plus_minus"], *keys, *each.path)) for each in some)
             rows.append([*cells, *(of.write.number(*pair) for pair in numbers)])
         yield Table(_part(of.write("probes"), first, len(known)), [*head, *map(of.write.label, some)], rows)
@@ -311,7 +311,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     sections, strips, walls = [], [], []
     means = in_model(of.results.model, MEANS)
     for one in solved(of.values):
-        name, told = Cell(of.code(one["name"])), one["plus_minus"]
+        name, told = Cell(of.short(one["name"])), one["plus_minus"]
         for index, cut in enumerate(one["sections"]):
             cells = (write.number(cut[each.name], _width(told, "sections", index, each.name)) for each in THROUGH)
             sections.append([name, Cell(cut["name"]), write.number(cut["length"]), *cells])
@@ -347,7 +347,7 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending} {path['mechanism'] or ''}")
+    yield Text(f"{ending[:-1]}: {path['mechanism']}." if path["mechanism"] else ending)
     yield pictures.of_path(of.along, write)
     yield _map(of, of.along, "map-path")
     rows = [

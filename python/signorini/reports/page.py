@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
 import subprocess
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -186,11 +188,9 @@ def _asset(name: str) -> str:
 
 
 def _embedded(values: Mapping[str, Any]) -> str:
-    """JSON for a script element: no text in it can end the element."""
+    """JSON for a script element, deflated and in base64."""
     text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return text
+    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
 
 def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:

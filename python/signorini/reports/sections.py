@@ -15,6 +15,7 @@ from signorini.base.numbers import in_unit, number
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
+from signorini.reports.names import numbered, short
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import PICTURED, Quantity
 
@@ -67,9 +68,11 @@ class Contents:
 
     def code(self, name: str) -> str:
         """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
-        if len(self.results) < 3 or name not in self.results:
-            return name
-        return f"C{self.results.number_of(name) + 1}: {name}"
+        return numbered(self.results, name)
+
+    def short(self, name: str) -> str:
+        """Number of a combination: "C17"; its name if there are fewer than three."""
+        return short(self.results, name)
 
 
 def codes_of(tables: Mapping[str, Any]) -> list[str]:
