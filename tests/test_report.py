@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from signorini.output.tables import results_json
 from signorini.reports import numbers, page, sections
 from signorini.reports.blocks import Table, Text, Writer
 from signorini.reports.sections import Contents
+from signorini.results import quantities
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 BAD = "<script>alert(1)</script>"
@@ -190,6 +191,15 @@ def test_every_text_is_in_both_languages() -> None:
     from signorini.reports.blocks import _catalogue
 
     assert all(set(one) == {"en", "de"} for one in _catalogue()["texts"].values())
+    owners = [
+        of.values() if isinstance(of, Mapping) else of
+        for of in vars(quantities).values()
+        if isinstance(of, tuple | Mapping)
+    ]
+    words = {
+        one.words or one.name.replace("_", " ") for of in owners for one in of if isinstance(one, quantities.Quantity)
+    }
+    assert len(words) > 50 and words <= set(_catalogue()["de"])
 
 
 def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Results, Any]) -> None:

@@ -17,7 +17,7 @@ from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
 from signorini.reports.names import numbered, short
 from signorini.results.load_path import LoadPath
-from signorini.results.quantities import PICTURED, Quantity
+from signorini.results.quantities import PICTURED, Quantity, in_model
 
 _MOST_ROWS = 500
 """Largest number of combinations that are listed."""
@@ -232,7 +232,7 @@ def combinations(of: Contents) -> Iterator[Block]:
 def glossary(of: Contents) -> Iterator[Block]:
     """Yield the quantities of the registry that the results have, with their units."""
     write, rows = of.write, dict[str, Sequence[Cell]]()
-    for one in (*PICTURED.values(), *of.quantities.values()):
+    for one in (*in_model(of.results.model, PICTURED.values()), *of.quantities.values()):
         words = write.translated(one.words or one.name.replace("_", " "))
         rows.setdefault(words, [Cell(one.name), Cell(words), Cell(one.unit(write.units) or "–")])
     yield Table(write("glossary"), [write("symbol"), write("meaning"), write("unit")], list(rows.values()))
