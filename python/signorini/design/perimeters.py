@@ -23,7 +23,7 @@ Positions: TypeAlias = npt.NDArray[np.complex128]
 
 NUMBERS = (
     *("u0", "u1", "uout", "force", "inside", "beta", "v_ed", "v_ed_face"),
-    *("v_rd_c", "v_rd_max", "utilisation", "asw"),
+    *("v_rd_c", "v_rd_max", "utilisation", "with_links", "asw"),
 )
 """Names of the numbers of a check."""
 _SAME = 1e-9
