@@ -104,7 +104,7 @@ def test_the_summary_and_the_combinations_say_where_the_numbers_come_from(
         assert (row["combination"], row["group"]) == (one.name, one.group)
         assert [row[f"factor of {case}"] for case in "GQ"] == [one.factors.get(case) for case in "GQ"]
         supports = next(of["supports"] for of in values["combinations"] if of["name"] == one.name)
-        (reaction,) = (row[title] for title in row if title.startswith("soil: reaction") and title.endswith("[N]"))
+        (reaction,) = (row[title] for title in row if title.startswith("soil: reaction [N]"))
         assert reaction == pytest.approx(supports[1]["reaction"], rel=1e-9)
 
 
