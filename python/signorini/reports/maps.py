@@ -26,7 +26,7 @@ from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_st
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.envelope import Envelope
+from signorini.results.envelope import NONE, Envelope
 from signorini.results.load_path import LoadPath
 from signorini.results.marks import drawn, extreme, panel
 from signorini.results.quantities import FIELDS, PICTURED, PRESSURE, SIDES, on_plate
@@ -350,7 +350,11 @@ class _Plate:
             if layer.by is not None:
                 rows, numbers = np.unique(layer.by, return_inverse=True)
                 by = self.blobs.add(self.grid.at_nodes(numbers)) if len(rows) <= _MOST_NAMES else None
-                about |= {} if by is None else {"by": by, "names": [layer.key(row) for row in rows.tolist()]}
+                about |= (
+                    {}
+                    if by is None
+                    else {"by": by, "names": ["" if row == NONE else layer.key(row) for row in rows.tolist()]}
+                )
             if blob is None or any(area["on"] is None for area in self.header["areas"].values()):
                 return None
             result.append(about)
