@@ -323,6 +323,33 @@ def test_the_utilisation_of_a_field_is_a_field_in_files_and_envelopes(tmp_path: 
     assert "utilisation:SLS_max" in meshio.read(tmp_path / "all" / "envelope-sls.vtu").point_data
 
 
+@pytest.mark.parametrize("divisions", [[2, 2], [8, 6]])
+def test_a_table_checks_numbers_that_have_no_column_otherwise(divisions: list[int]) -> None:
+    """Rows are sums of responses of the few contact points of a coarse mesh, or solved one by one."""
+    checks = [
+        {"of": "grout.closed_part", "limit": 2.0},
+        {"of": "anchors.closed_part", "limit": 2.0},
+        {"of": "probe[2].pressure", "limit": 3.0},
+        {"of": "grout.max_tension", "limit": 1.0},
+    ]
+    more: dict[str, Any] = {"probe": [{"at": [[40, 40], [210, 160]]}], "mesh": {"divisions": divisions}}
+    tables = BASE_PLATE | {"check": checks, "solver": {"method": "lemke"}} | more
+    wanted = check_results(solve(Model(**tables)))
+    results = solve(Model(**tables | {"output": {"combinations": "table", "envelope": []}}))
+    for one, other in zip(check_results(results), wanted, strict=True):
+        assert (one.governing, one.place) == (other.governing, other.place)
+        assert one.utilisation == pytest.approx(other.utilisation, rel=1e-8, abs=1e-12)
+    assert (results.combined.alone == 0) == (divisions == [2, 2])
+    assert np.ptp(results.table["closed_part:grout"]) > 0.1
+    line = {"name": "line", "edge": "left", "resists": "down", "stiffness": 100}
+    refused = BASE_PLATE | {
+        "support": [*BASE_PLATE["support"], line],
+        "check": [{"of": "line.closed_part", "limit": 1}],
+    }
+    with pytest.raises(InputError, match=r"check\[1\]\.of.*combinations"):
+        solve(Model(**refused | {"output": {"combinations": "table"}}))
+
+
 def test_a_path_finds_where_a_check_is_reached() -> None:
     model = Model(**BASE_PLATE)
     result = path(model, "N", "M", 1.2, when=["check:plate stress = 0.2", "check:anchors = 0.1"])

@@ -42,7 +42,8 @@ def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
     if model.check and (catalogue := catalogue_of(discretisation, with_extremes(model))) and model.tabulated:
-        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
+        advice = 'It needs the whole answer of each combination: give output.combinations = "each".'
+        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check, advice=advice)
 
 
 def check_results(results: Results, estimates: Estimates | None = None) -> tuple[CheckResult, ...]:

@@ -121,10 +121,12 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
     return result
 
 
-def require_measured(discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check) -> None:
+def require_measured(
+    discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check, advice: str = "Remove the check."
+) -> None:
     """Refuse checks of numbers that a catalogue lacks; ``what`` has the numbers of the catalogue."""
     known = [one.check for one in checks_in(catalogue)]
     for check in checks:
         if check not in known:
             index = discretisation.model.check.index(check)
-            raise InputError(f'{what} has no "{check.of}". Remove the check.', place=("check", index, "of"))
+            raise InputError(f'{what} has no "{check.of}". {advice}', place=("check", index, "of"))
