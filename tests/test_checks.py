@@ -113,6 +113,20 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
     assert overturning.value == pytest.approx(1 / path(results.model, "G", "W").limit, rel=1e-6)
 
 
+def test_variable_cases_overturn_by_default() -> None:
+    """With [cases] the weight stays and the wind grows, with the case that follows it."""
+    load = [*FOOTING["load"], {"case": "W2", "moment": [20e3, 0], "at": [1, 0.75], "radius": 0.3}]
+    cases = {"G": {"kind": "permanent"}, "W": {"kind": "variable", "category": "wind"}, "W2": {"with": "W"}}
+    table = [{"name": "EQU", "generate": "en1990", "rule": "EQU"}]
+    model = rectangular(
+        **FOOTING | {"load": load, "cases": cases, "combination": table, "check": [{"of": "overturning"}]}
+    )
+    (one,) = check_results(solve(model))
+    # 0.9 · 300 kN at half the length, 1 m, against 1.5 · 80 kN m
+    assert one.governing == "EQU: 0.9 G + 1.5 W + 1.5 W2"
+    assert one.value == pytest.approx(1.5 * 80 / (0.9 * 300), rel=1e-9)
+
+
 def test_an_anchored_plate_overturns_later() -> None:
     anchors = {"name": "anchors", "at": [[0.2, 0.2], [0.2, 1.3]], "resists": "up", "limit": 50e3}
     check = {"of": "overturning", "grows": ["W"]}

@@ -99,7 +99,8 @@ def overturned(
     combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
         if one.check.of == OVERTURNING:
-            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+            growing = one.check.growing(discretisation.model.cases)
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, growing)
     return result
 
 

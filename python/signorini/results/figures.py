@@ -95,7 +95,9 @@ def _probe(probe: ProbeResult) -> dict[str, Any]:
 def _all_places(result: Result) -> dict[str, dict[str, Any]]:
     """JSON of the extremes of every field without the extremes themselves."""
     ends, bars = {name: _places(name, of) for name, of in result.extremes.items()}, result.model.bars
-    for name in (name for name in ends if name in REINFORCEMENT and bars is not None):
+    for name in ends:
+        if name not in REINFORCEMENT or bars is None:
+            continue
         of = result.extremes[name]
         ends[name]["minimum_governs"] = least_at(name, of.max, of.max_at, bars, result.stress_nodes, result.thickness)
     return ends
