@@ -211,6 +211,13 @@ def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]
 
 
 def _strip(strip: StripResult) -> dict[str, Any]:
-    stations = [{"at": list(station.at), "width": station.width} for station in strip.stations]
+    stations = [
+        {
+            "at": list(one.at),
+            "width": one.width,
+            **({"minimum_governs": one.minimum_governs} if one.minimum_governs else {}),
+        }
+        for one in strip.stations
+    ]
     ends = {"max_at": list(strip.sagging.at), "min_at": list(strip.hogging.at)}
     return {"name": strip.name, **ends, "stations": stations}
