@@ -230,7 +230,7 @@ def _is_least(results: Results, one: Number, area: float, place: Sequence[float]
     member = next(plate for plate in found.members if one.owner in plate.numbers["strip"])
     own = member.numbers["strip"].index(one.owner)
     counts = [strip.stations for strip in member.own.model.strip]
-    every = np.full(sum(counts), area)
+    every = [area] * sum(counts)
     return bool(least_along(member.own, name.removeprefix("as_"), every)[sum(counts[:own]) + one.part])
 
 
