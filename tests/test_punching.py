@@ -269,7 +269,7 @@ def test_missing_keys_are_those_of_reinforcement():
     drop = [{"area": {"rectangle": [5, 5, 7, 7]}, "thickness": 0.4}]
     table = {"support": "columns", "column": [0.4, 0.4], "code": EN["code"]}
     given = solved(punching=[{**table, "d": EN["d"], "rho": EN["rho"]}], reinforcement=bars)
-    assert column(given) == column(solved())
+    assert column(given) == pytest.approx(column(solved()), rel=1e-12, nan_ok=True)
     result = solved(punching=[table], reinforcement=bars, zone=drop)
     told = figures(result)["punching"]
     assert [told[index]["d"] for index in (0, 4)] == [pytest.approx([d - 0.035, d - 0.045]) for d in (0.3, 0.4)]

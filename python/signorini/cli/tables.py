@@ -63,17 +63,14 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
     if results.model.tabulated:
         console.print()
         print_combined(console, results, estimates, labels)
-        warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results, estimates)}
-    else:
-        warnings = _by_sentence(results, estimates)
-        if len(results) >= SEVERAL:
-            console.print()
-            _print_summary(console, results, estimates, labels)
-            _print_largest(console, results, estimates, labels)
-            print_bearings(console, results, estimates, labels)
-            for group in (*results.model.effective_combinations.groups,) or ("",):
-                print_governing(console, results, estimates, labels, group)
-            say(console, f"{JSON} has all results of every combination.")
+    elif len(results) >= SEVERAL:
+        console.print()
+        _print_summary(console, results, estimates, labels)
+        _print_largest(console, results, estimates, labels)
+        print_bearings(console, results, estimates, labels)
+        for group in (*results.model.effective_combinations.groups,) or ("",):
+            print_governing(console, results, estimates, labels, group)
+        say(console, f"{JSON} has all results of every combination.")
     for result in results.full.values() if not results.model.tabulated and len(results) < SEVERAL else ():
         console.print()
         if result.status == "solved":
@@ -81,20 +78,34 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
+    print_verdicts(console, results, estimates, labels)
+    _print_legend(console, discretisation.model.support)
+
+
+def print_verdicts(
+    console: Console, results: Results, estimates: Estimates | None, labels: Labels | None = None
+) -> None:
+    """Print the checks, the warnings and the singularities, and last the numbers of combinations with their names."""
+    labels = labels or Labels(results)
     print_checks(console, results, estimates, labels)
     _print_refinement(console, results)
+    tabulated = results.model.tabulated
+    warnings: dict[str, list[str]] = (
+        {sentence: [] for sentence in table_warnings(results, estimates)}
+        if tabulated
+        else _by_sentence(results, estimates)
+    )
     warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
     coded = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}
     _print_warnings(console, coded, len(results))
     singular = [singularity for result in results.full.values() for singularity in result.singular]
-    if results.model.tabulated:
-        singular = [*singularities(discretisation, results.model.effective_combinations.cases)]
+    if tabulated:
+        singular = [*singularities(results.discretisation, results.model.effective_combinations.cases)]
     _print_singular(console, singular, results.model, f" All in {JSON}.")
     for line in labels.listed():
         say(console, line)
     if labels.named:
         console.print()
-    _print_legend(console, discretisation.model.support)
 
 
 def _print_refinement(console: Console, results: Results) -> None:

@@ -27,6 +27,7 @@ CLAUSES = {
     "v_ed": "EN 1992-1-1, 6.4.3, Eq. (6.38)",
     "v_rd_c": "EN 1992-1-1, 6.4.4(1), Eq. (6.47)",
     "v_rd_max": "EN 1992-1-1, 6.4.5(3), A1:2014",
+    "with_links": "EN 1992-1-1, 6.4.5(1), A1:2014 (1.5 vRd,c)",
     "asw": "EN 1992-1-1, 6.4.5(1), Eq. (6.52)",
     "uout": "EN 1992-1-1, 6.4.5(4), Eq. (6.54)",
 }
@@ -36,6 +37,8 @@ ON_RAFTS = {
     "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
 }
 """Clauses of columns on foundations, in place of those in `CLAUSES`."""
+MOST_WITH_LINKS = 1.5
+"""Largest vRd,cs relative to vRd,c: kmax of 6.4.5(1), A1:2014."""
 _DISTANCES = (np.arange(1, 17) / 8.0).tolist()
 """Distances of perimeters around a column on a foundation, relative to d: 6.4.4(2), a ≤ 2d."""
 
@@ -106,13 +109,13 @@ class Punching:
     def perimeters(self) -> Sequence[Perimeter]:
         """Control perimeters (p,): that at 2d, 6.4.2(1); on a foundation several at a ≤ 2d, 6.4.4(2).
 
-        A perimeter to a free edge encloses more of the pressure under a foundation. So the longer perimeter, which does
-        not run straight to edges, is checked as well.
+        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So the longer
+        perimeter, which does not run straight to edges, is checked as well, except around a column at an edge of a slab.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
         to_edges = [self.plan.perimeter(distance) for distance in distances]
-        around = [self.plan.perimeter(found.distance, to_edges=False) for found in to_edges if found.normals]
-        return [*(around if self.on_foundation else []), *to_edges]
+        longer = [found for found in to_edges if found.normals and (self.on_foundation or not self._edges(found))]
+        return [*(self.plan.perimeter(found.distance, to_edges=False) for found in longer), *to_edges]
 
     @property
     def basic(self) -> Perimeter:
@@ -134,7 +137,7 @@ class Punching:
         """
         if self.given is not None:
             return np.full(force.shape, self.given)
-        of = self._shapes
+        of = self.shapes
         eccentric = moment[:, None] / np.where(force != 0.0, force, np.inf)
         across, along = np.abs((eccentric * of.axis.conj()).real), np.abs((eccentric * of.axis.conj()).imag)
         both = of.across * across, of.along * along
@@ -145,7 +148,7 @@ class Punching:
         return np.where((of.normals != 0.0).any(axis=-1), at_edge, result)
 
     @cached_property
-    def _shapes(self) -> _Shapes:
+    def shapes(self) -> _Shapes:
         """Shape of every perimeter."""
         column, every = self.plan.column, []
         for found in self.perimeters:
@@ -180,16 +183,21 @@ class Punching:
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
         """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside the perimeters (k, p).
 
-        On a foundation they are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear
-        reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.
+        They are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear reinforcement:
+        the larger one of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are
+        required, uout is that of vRd,c by Eq. (6.47); on a foundation the pressure inside uout is not taken off.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
-        of, net, most = self._shapes, force[:, None] - inside, largest_resistance(self.fck)
+        of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)
         beta = self.beta(net, moment)
         stress, resistance = beta * np.abs(net) / (of.length * self.depth), own * 2.0 * self.depth / of.distance
         rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
         v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
         at_face = beta * np.abs(force) / (self.face_length * self.depth)
-        ratio, links = np.maximum(v_ed / v_rd_c, at_face / most), reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
-        lengths, forces = (self.face_length, u1, v_ed * u1 / v_rd_c), (force, inside[rows, worst])
-        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, ratio, links)
+        links = reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
+        most_with, most_at_face = v_ed / (MOST_WITH_LINKS * v_rd_c), at_face / most
+        ratios = np.maximum(v_ed / v_rd_c, most_at_face), np.maximum(most_with, most_at_face)
+        beyond = np.abs(force) if self.on_foundation else np.abs(net[rows, worst])
+        outer = np.where(links > 0.0, beta * beyond / (own * self.depth), np.nan)
+        lengths, forces = (self.face_length, u1, outer), (force, inside[rows, worst])
+        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, *ratios, links)

@@ -23,6 +23,8 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
+from signorini.reports.punching import Punched
+from signorini.reports.names import numbered, short
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
 from signorini.results.load_path import LoadPath
@@ -121,7 +123,8 @@ class _OfEnvelope:
     about: dict[str, Any]
     envelope: Envelope
     end: int
-    key: Callable[[int], str]
+    key: Callable[[int], str]  # name of a row under the pointer
+    label: Callable[[int], str]  # name of a row on the map
     estimates: Estimates | None = None
     rank: int = 0
 
@@ -145,7 +148,7 @@ class _OfEnvelope:
         told = self.estimates is not None and bool(self.estimates.table)
         if self.estimates is not None and told:
             width = self.estimates.half_width(f"{SIDES[self.end]}:{column}", row)
-        words = f"{extreme(SIDES[self.end], value, told, width)}, {self.key(row)}"
+        words = f"{extreme(SIDES[self.end], value, told, width)}, {self.label(row)}"
         at = rounded(self.envelope.places_of(column)[self.end])
         return {"range": rounded([ends.min, ends.max]), "ends": [[words, *at]], "discs": [], "width": width}
 
@@ -171,6 +174,7 @@ def map_data(
     *,
     fields: Sequence[str] = tuple(PICTURED),
     budget: int = BUDGET,
+    columns: Sequence[Punched] = (),
 ) -> MapData:
     """Collect the data of a viewer: geometry, marks, and fields of combinations and envelopes or of a path's stops.
 
@@ -186,6 +190,8 @@ def map_data(
         Names in `PICTURED`, most important first.
     budget : int
         Largest size of the arrays in the page [bytes].
+    columns : sequence of Punched
+        Punched columns whose perimeters are drawn.
 
     Raises
     ------
@@ -197,7 +203,7 @@ def map_data(
     if not states:
         raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
     units = whole.model.units
-    plates = [_Plate.of(plate, blobs) for plate in whole.discretisation.members]
+    plates = [_Plate.of(plate, blobs, columns) for plate in whole.discretisation.members]
     asked = sorted(
         (4 * (state.rank > 1) + 2 * (name not in MAIN) + state.rank % 2, order, row, plate)
         for row, state in enumerate(states)
@@ -257,18 +263,21 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     """Yield the states of a viewer: envelopes, then governing and other combinations, or stops of a path."""
     if isinstance(results, Result):
         if results.status == "solved":
-            yield _OfResult({"kind": "combination", "name": results.name}, 1, results)
+            yield _OfResult({"kind": "combination", "name": results.name, "words": results.name}, 1, results)
         return
     key: Callable[[int], str]
+    label: Callable[[int], str]
     if isinstance(results, Results):
-        key, count = results.key, results.combined.solved
+        count = results.combined.solved
+        key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))
         envelopes = {"": results.envelope} | (dict(results.groups) if len(results.groups) > 1 else {})
     else:
-        key, count = (lambda row: _at(results.key(row))), len(results.stops)
+        count = len(results.stops)
+        key = label = lambda row: _at(results.key(row))
         envelopes = {"": results.envelope}
     for group, envelope in envelopes.items() if count > 1 else ():
         for end, side in enumerate(_ENDS):
-            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, estimates)
+            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, label, estimates)
     if isinstance(results, LoadPath):
         for row in _stops(results):
             t = results.key(row)
@@ -277,7 +286,8 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     governing = results.governing
     for name in [*governing, *(name for name in results.full if name not in governing)]:
         if (result := results[name]).status == "solved":
-            yield _OfResult({"kind": "combination", "name": name}, 1 + (name not in governing), result, estimates)
+            about = {"kind": "combination", "name": name, "words": numbered(results, name)}
+            yield _OfResult(about, 1 + (name not in governing), result, estimates)
 
 
 def _at(t: float) -> str:
@@ -302,7 +312,7 @@ class _Plate:
     header: dict[str, Any]
 
     @classmethod
-    def of(cls, plate: OfWhole, blobs: Blobs) -> Self:
+    def of(cls, plate: OfWhole, blobs: Blobs, columns: Sequence[Punched]) -> Self:
         """Store the geometry of a plate."""
         nodes = plate.own.stress_nodes
         grid, low, size = Grid(nodes), nodes.points.min(axis=0), float(np.ptp(nodes.points, axis=0).max())
@@ -317,7 +327,7 @@ class _Plate:
             "wide": nodes.count > 65_535,
             "index": blobs.add(grid.elements(), nodes.count > 65_535),
             "xy": [blobs.add(grid.at_nodes(codes[:, axis])) for axis in range(2)],
-            "marks": plate_marks(plate.own),
+            "marks": plate_marks(plate.own, columns),
             "areas": {},
             "discs": [],
         }

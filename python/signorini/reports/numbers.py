@@ -9,11 +9,14 @@ from operator import itemgetter
 from typing import Any
 
 from signorini.analysis.checks import judged
+from signorini.analysis.results import Results
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
-from signorini.reports.maps import MapData, map_data, map_html
-from signorini.reports.sections import Contents, value_of
+from signorini.reports.maps import map_data, map_html
+from signorini.reports.punching import figure, sheet
+from signorini.reports.sections import Contents
+from signorini.results.load_path import LoadPath
 from signorini.results.quantities import (
     AT_PROBES,
     MEANS,
@@ -27,7 +30,7 @@ from signorini.results.quantities import (
 )
 
 _ACROSS = 8
-"""Largest number of columns of simultaneous reactions in one table."""
+"""Largest number of columns of simultaneous reactions, or of quantities at probes, in one table."""
 _BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 _MOST_REASONS = 20
 """Largest number of combinations without equilibrium whose reason is given."""
@@ -68,22 +71,11 @@ def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, A
         numbers = (one[key] for key in ("value", "limit", "utilisation", "plus_minus", "governing"))
         place, verdict = one["place"], of.write(VERDICTS[one["verdict"]])
         yield one["name"], one["of"], *numbers, place, verdict
-    for name, one, width, by in _columns(of):
-        value, limit, used = one["v_ed"], one["v_rd_c"], one["utilisation"]
-        told = _width(width, "utilisation")
+    for one in of.punched:
+        used, told = one.utilisation
+        name, values = f"{of.write('punching')} {one.of.name}", (one.of.numbers[key] for key in ("v_ed", "v_rd_c"))
         _, verdict = verdict_on(of, used, told)
-        yield f"{of.write('punching')} {name}", "v_ed", value, limit, used, told, by, one["at"], verdict
-
-
-def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
-    """Yield each punched column: name, its numbers in the combination with the largest utilisation, half-widths."""
-    governing: dict[str, tuple[Mapping[str, Any], Any, str]] = {}
-    for one in solved(of.values):
-        for index, column in enumerate(one.get("punching") or ()):
-            known = governing.get(column["name"])
-            if known is None or column["utilisation"] > known[0]["utilisation"]:
-                governing[column["name"]] = (column, found(one["plus_minus"], "punching", index), one["name"])
-    yield from ((name, *own) for name, own in governing.items())
+        yield name, "v_ed", *values, used, told, one.combination, list(one.of.at), verdict
 
 
 VERDICTS = {
@@ -212,7 +204,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             for name, bound in zip(_BOUNDED, bounds, strict=True)
         ]
         passed = write("passed" if found_errors["passed"] else "failed")
-        errors.append([Cell(of.code(one["name"])), *cells, Cell(passed)])
+        errors.append([Cell(of.short(one["name"])), *cells, Cell(passed)])
     unit = write.unit("reaction")
     head = [write("combination"), *(write(key) + unit for key in ("load_sum", "reaction_sum", "difference"))]
     yield Table(write("balance_table"), head, rows)
@@ -234,7 +226,7 @@ def reactions(of: Contents) -> Iterator[Block]:
             areas = ((own[area.name], _width(one["plus_minus"], *keys, area.name)) for area in OF_AREAS[:2])
             rows.append([*cells, *(write.number(*pair) for pair in areas)])
             for number, point in enumerate(own.get("points") or ()):
-                cells = [Cell(of.code(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
+                cells = [Cell(of.short(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
                 for key, size in sizes.items():
                     cells.append(
                         write.number(point[key], _width(one["plus_minus"], *keys, "points", number, key), size)
@@ -258,10 +250,10 @@ def reactions(of: Contents) -> Iterator[Block]:
                     write.number(one[side], _width(one["plus_minus"], side), largest),
                 ]
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
-                rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
+                rows.append([*cells, Cell(of.short(one[f"{side}_by"])), *together])
         head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
         yield Table(
-            write("simultaneous") + (f" ({first // _ACROSS + 1})" if len(every) > _ACROSS else ""),
+            _part(write("simultaneous"), first, len(every)),
             [*head, *(names[at] for at in columns)],
             rows,
         )
@@ -270,26 +262,37 @@ def reactions(of: Contents) -> Iterator[Block]:
 def fields(of: Contents) -> Iterator[Block]:
     """Yield maps or pictures of fields, and a table of their extremes."""
     if any(True for _ in solved(of.values)):
-        yield _map(of, map_data(of.results, of.estimates), "map")
+        yield _map(of, of.results, "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
     yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
-    rows = []
-    for one in solved(of.values):
-        for number, probe in enumerate(one["probes"]):
-            for quantity in AT_PROBES:
-                value, width = found(probe, *quantity.path), _width(one["plus_minus"], "probes", number, *quantity.path)
-                if value is not None:
-                    cells = [Cell(of.code(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
-                    rows.append([*cells, Cell(of.write.label(quantity)), of.write.number(value, width)])
-    head = [of.write(key) for key in ("combination", "probe", "place", "quantity", "value")]
-    yield Table(of.write("probes"), head, rows)
+    told = [(one, number, probe) for one in solved(of.values) for number, probe in enumerate(one["probes"])]
+    known = [one for one in AT_PROBES if any(found(probe, *one.path) is not None for _, _, probe in told)]
+    head = [of.write(key) for key in ("combination", "probe", "place")]
+    for first in range(0, len(known), _ACROSS):
+        some, rows = known[first : first + _ACROSS], []
+        for one, number, probe in told:
+            keys = ("probes", number)
+            cells = [Cell(of.short(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
+            numbers = ((found(probe, *each.path), _width(one["plus_minus"], *keys, *each.path)) for each in some)
+            rows.append([*cells, *(of.write.number(*pair) for pair in numbers)])
+        yield Table(_part(of.write("probes"), first, len(known)), [*head, *map(of.write.label, some)], rows)
 
 
-def _map(of: Contents, data: MapData, name: str) -> Map:
+def _part(caption: str, first: int, count: int) -> str:
+    """Caption of one of the tables that share ``count`` columns."""
+    return f"{caption} ({first // _ACROSS + 1})" if count > _ACROSS else caption
+
+
+def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
     """Interactive map with its texts in the language of the report."""
-    words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
-    return Map(map_html(data, name, of.write.language, words))
+
+    def markup(budget: int) -> str:
+        data = map_data(results, of.estimates if results is of.results else None, budget=budget)
+        words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
+        return map_html(data, name, of.write.language, words)
+
+    return Map(name, markup)
 
 
 def cuts(of: Contents) -> Iterator[Block]:
@@ -298,7 +301,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     sections, strips, walls = [], [], []
     means = in_model(of.results.model, MEANS)
     for one in solved(of.values):
-        name, told = Cell(of.code(one["name"])), one["plus_minus"]
+        name, told = Cell(of.short(one["name"])), one["plus_minus"]
         for index, cut in enumerate(one["sections"]):
             cells = (write.number(cut[each.name], _width(told, "sections", index, each.name)) for each in THROUGH)
             sections.append([name, Cell(cut["name"]), write.number(cut["length"]), *cells])
@@ -334,9 +337,9 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending} {path['mechanism'] or ''}")
+    yield Text(f"{ending[:-1]}: {path['mechanism']}." if path["mechanism"] else ending)
     yield pictures.of_path(of.along, write)
-    yield _map(of, map_data(of.along), "map-path")
+    yield _map(of, of.along, "map-path")
     rows = [
         [write.number(one["t"]), Cell(one["support"]), write.place(one["at"]), Cell(one["change"])]
         for one in path["support_events"]
@@ -345,56 +348,17 @@ def load_path(of: Contents) -> Iterator[Block]:
     yield Table(write("events"), ["t", write("support"), write("place"), write("event")], rows)
 
 
-_FORMULAS = {
-    "EN 1992-1-1:2004": {
-        "beta": "1 + Σ k · M/V · u1/W1; edge and corner columns by u1/u1* + …",
-        "v_ed": "β · |V − ΔV| / (u1 · d)",
-        "v_ed_face": "β · V / (u0 · d)",
-        "v_rd_c": "0.18/γc · k · (100 ρ fck)^⅓ ≥ 0.035 k^1.5 fck^½ in MPa; γc = 1.5; k = 1 + √(200 mm/d) ≤ 2; "
-        "ρ = √(ρx ρy) ≤ 0.02; on foundations times 2 d/a",
-        "v_rd_max": "0.4 · ν · fck/γc; ν = 0.6 (1 − fck/250 MPa)",
-        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef); fywd,ef = 250 + 0.25 d ≤ fyk/1.15 in MPa and mm",
-        "uout": "β · |V − ΔV| / (vRd,c · d)",
-        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
-    },
-    "ACI 318-19": {
-        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
-        "v_rd_c": "φ vc, φ = 0.75",
-        "v_rd_max": "φ 0.5 √f'c",
-        "utilisation": "vu / (φ vc)",
-    },
-}
-"""Formulas of the numbers of punching by code."""
-_GIVEN = ("column", "diameter", "d", "rho", "fck", "fyk")
-
-
 def punching(of: Contents) -> Iterator[Block]:
-    """Yield a sheet for each column: every number with its unit, formula and clause."""
-    write, units = of.write, of.results.model.units
-    given = {str(one.get("support", one.get("load"))): one for one in of.input.get("punching", ())}
-    for name, column, widths, by in _columns(of):
-        own = given.get(name.partition("[")[0], {})
-        yield Text(f"{name}, {write.place(column['at']).text}, {write('combination')} {of.code(by)}", "heading")
-        rows = [
-            [Cell(key), Cell(""), value_of(of, key, own[key]), Cell(""), Cell(write("input"))]
-            for key in _GIVEN
-            if key in own
-        ]
-        if isinstance(own.get("d"), list):
-            mean = write.number(sum(own["d"]) / 2)
-            rows.append([Cell("d"), Cell(write("mean_d")), mean, Cell(units.length), Cell("= (dx + dy)/2; Eq. (6.32)")])
-        formulas = _FORMULAS.get(column["code"], {})
-        for key, values in column.items():
-            pair = isinstance(values, list)
-            for part, value in zip(("_x", "_y"), values if pair else [values], strict=False):
-                if (quantity := of.quantities.get(("punching", key + part * pair))) is not None:
-                    cells = [Cell(quantity.name), Cell(write.translated(quantity.words))]
-                    cells += [write.number(value, _width(widths, *quantity.path)), Cell(quantity.unit(units))]
-                    why = [f"= {formulas[key]}" if key in formulas else "", column["clauses"].get(key, "")]
-                    rows.append([*cells, Cell("; ".join(filter(None, why)))])
-        used, width = column["utilisation"], _width(widths, "utilisation")
+    """Yield a sheet and a figure for each column in its governing combination."""
+    write = of.write
+    for one in of.punched:
+        column = one.of.column
+        place, name = write.place(one.of.at).text, f"{write('combination')} {of.code(one.combination)}"
+        yield Text(f"{one.of.name}, {place}, {name}", "heading")
+        yield figure(one, write)
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
-        yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
+        yield Table(f"{write('punching')} {one.of.name}, {column.code}", head, [*sheet(one, write)], open=True)
+        used, width = one.utilisation
         passed, verdict = verdict_on(of, used, width)
         words = f"{write('utilisation')} {write.number(used, width).text}: {verdict}"
         yield Text(words, "plain" if passed is None else "good" if passed else "bad")

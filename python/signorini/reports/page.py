@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
 import subprocess
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -20,11 +22,14 @@ from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing
+from signorini.base.packages import package
 from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
+from signorini.formats.xlsx import write_xlsx
+from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
 from signorini.reports import numbers, sections
-from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.blocks import Block, Map, Section, Text, Writer, data_uri
 from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
@@ -34,6 +39,10 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 _LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_LOGO = 500_000
 """Largest size of a logo [bytes]."""
+_LARGEST_PAGE = 1_900_000
+"""Size of a page up to which it has arrays of maps [bytes]; the texts of the maps are added."""
+_LEAST_MAP = 600_000
+"""Size that the arrays of a map may have on every page [bytes]."""
 _SECONDS = 180
 """Longest time that a browser may take to print."""
 
@@ -66,6 +75,7 @@ def report(
     *,
     load_path: LoadPath | None = None,
     pdf: bool = False,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write a report: one HTML file with checks, results, maps, and the input.
 
@@ -84,6 +94,8 @@ def report(
         A load path of the same model, which the report also shows.
     pdf : bool
         Whether an installed Chromium or Chrome also prints the report to a PDF file beside it.
+    xlsx : bool
+        Whether a spreadsheet beside it has the results, too; XlsxWriter must be installed.
 
     Returns
     -------
@@ -117,7 +129,7 @@ def report(
         source = original.to_toml()
     except InputError:  # TOML has no functions
         source = json.dumps(json.loads(original.provenance.text), indent=1, ensure_ascii=False)
-    return write_report(results, path, estimate, source, load_path, pdf)
+    return write_report(results, path, estimate, source, load_path, pdf, xlsx)
 
 
 def write_report(
@@ -127,16 +139,23 @@ def write_report(
     source: str,
     load_path: LoadPath | None = None,
     pdf: bool = False,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write a report as `report` does; ``source`` is the text of the input file."""
     target, browser = Path(path), _browser() if pdf else ""
+    sheets = [target.with_suffix(".xlsx")] if xlsx and package("xlsxwriter") else []
     text = page(results, estimates, source, load_path)
     try:
         with replacing(target) as temporary:
             temporary.write_text(text, encoding="utf-8")
+        for file in sheets:
+            with replacing(file) as temporary:
+                write_xlsx(
+                    temporary, sheets_of(results_json(results, estimates), results), results.model.provenance.metadata
+                )
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}.", place="output") from None
-    return [target, _printed(target, browser)] if pdf else [target]
+    return [target, *([_printed(target, browser)] if pdf else []), *sheets]
 
 
 def page(results: Results, estimates: Estimates | None, source: str, load_path: LoadPath | None = None) -> str:
@@ -157,7 +176,7 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html").render(
+    text = environment.get_template("page.html").render(
         write=write,
         title=title,
         block=block,
@@ -170,6 +189,11 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         maps=Markup(assets_html()),
         results=Markup(_embedded(values)),
     )
+    maps = [one for each in own for one in each.blocks if isinstance(one, Map)]
+    for index, one in enumerate(maps):
+        room = (_LARGEST_PAGE - len(text.encode())) // (len(maps) - index)
+        text = text.replace(one.place, one.markup(max(room, _LEAST_MAP)), 1)
+    return text
 
 
 def _asset(name: str) -> str:
@@ -177,11 +201,9 @@ def _asset(name: str) -> str:
 
 
 def _embedded(values: Mapping[str, Any]) -> str:
-    """JSON for a script element: no text in it can end the element."""
+    """JSON for a script element, deflated and in base64."""
     text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return text
+    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
 
 def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:
