@@ -138,6 +138,13 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
                     yield ("cases", name, key), f"{found}; the cases of one {key} must have the same {which}."
 
 
+def growing_in(cases: Cases) -> tuple[str, ...]:
+    """Load cases that are neither permanent nor preloads."""
+    own = {name: cases.get(case.follows or name, case) for name, case in cases.items()}
+    still = ("permanent", "preload", "D", "P")
+    return tuple(name for name, case in own.items() if (case.kind or case.asce) not in still)
+
+
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
     """Message that names the load cases without a role in a code; empty if each has one."""
     key = _KEY_OF[code]

@@ -447,7 +447,7 @@ class Model(Table):
             yield from ((("punching", index, *path), message) for path, message in complaints)
         cases = tuple(dict.fromkeys([*(load.case for load in self.load), *self.positions]))
         for index, check in enumerate(self.check):
-            complaints = check.complaints_of(cases, self.effective_combinations)
+            complaints = check.complaints_of(cases, self.effective_combinations, self.cases)
             yield from ((("check", index, *path), message) for path, message in complaints)
         yield from self._reinforcement_complaints()
 

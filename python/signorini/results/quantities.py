@@ -405,6 +405,8 @@ EXTREMES: tuple[Home, ...] = ("field", "mean")
 """Owners ("homes") of the extremes of fields, and of the extremes of means at singular places."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 """Owners ("homes") whose numbers are read one owner at a time."""
+_OF_ANSWERS = ("prying", "piece")
+"""Names of quantities that need the whole answer, not only readings."""
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
@@ -521,6 +523,11 @@ class Number:
         return str(self.path[-1]) if self.home in EXTREMES else self.quantity.name
 
     @property
+    def group(self) -> tuple[Home, int, str]:
+        """Key of the numbers that are read together: home, owner, name; for probes and stations the owner is 0."""
+        return self.home, self.owner if self.home in _OF_ONE else 0, self.what
+
+    @property
     def key(self) -> Key:
         """Home; owner or name of the extreme; name of the quantity: equal for the components of one quantity."""
         return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
@@ -600,6 +607,13 @@ def _require_unique(numbers: Sequence[Number], model: Model) -> None:
             raise InputError(why, (table, index, "name"))
 
 
+def _is_tabled(model: Model, number: Number) -> bool:
+    """Whether a check measures a number that only then has a column; sums of load cases do not have every number."""
+    line = number.what == "closed_part" and model.support[number.owner].along_line
+    missing = bool(model.plates) or line or number.what in _OF_ANSWERS
+    return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
+
+
 def of_points(support: Support) -> tuple[Quantity, ...]:
     """Quantities of each point of a support at points."""
     turning = OF_TURNING_POINTS * (bool(support.rotational))
@@ -667,6 +681,8 @@ class Catalogue:
             for one in OF_COLUMNS:
                 path = ("punching", index, *one.path)
                 result.append(Number(one, "punching", index, path, column.subject, 0, one.tabled))
+        measured = {one.group for one in result if _is_tabled(model, one)}
+        result = [replace(one, tabled=one.tabled or one.group in measured) for one in result]
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
         for index, (plate, name) in enumerate(enveloped):
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)
@@ -731,11 +747,10 @@ class Catalogue:
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Indices of numbers that are read together, by (home, owner, name); for probes and stations the owner is 0."""
+        """Indices of numbers that are read together, by `Number.group`."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
-            owner = one.owner if one.home in _OF_ONE else 0
-            groups.setdefault((one.home, owner, one.what), []).append(place)
+            groups.setdefault(one.group, []).append(place)
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
     def of_members(self, each: Sequence[Floats]) -> Floats:
