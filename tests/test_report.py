@@ -16,6 +16,7 @@ from test_spreadsheet import read
 import signorini
 from signorini import InputError, Model
 from signorini.analysis.estimate import estimates_of
+from signorini.base.numbers import estimated
 from signorini.cli.commands import app
 from signorini.output.tables import results_json
 from signorini.reports import numbers, page, sections
@@ -361,6 +362,26 @@ def test_tables_sort_and_filter_by_mouse_and_keyboard(browser: Any, file: Path) 
     page.keyboard.type("feet SLS")
     shown = "t => [...t.tBodies[0].rows].filter(r => !r.hidden).map(r => r.cells[1].textContent)"
     assert table.evaluate(shown) == ["feet"]
+
+
+def test_a_diagram_shows_values_with_half_widths_by_pointer_and_keyboard(browser: Any, file: Path, text: str) -> None:
+    shown = Opened(browser, file)
+    stages, values = shown.page.locator(".diagram .stage"), Parsed(text).results["combinations"]
+    assert stages.evaluate_all("all => all.map(one => one.getAttribute('aria-label'))") == [
+        *("Section cut", "Strip middle [m]", "Profile axis [m]", "wall [m]")
+    ]
+    strip, at = stages.nth(1), values[0]["strips"][0]["stations"][10]
+    box = strip.locator("svg").bounding_box()
+    strip.hover(position={"x": box["width"] * (82 + 0.5 * (720 - 94)) / 720, "y": 40})
+    said, width = strip.get_attribute("aria-valuetext"), values[0]["plus_minus"]["strips"][0]["stations"][10]["moment"]
+    assert said.startswith("3 m: Moment") and f"{BAD} {estimated(at['moment'], width)}" in said
+    strip.focus()
+    shown.page.keyboard.press("ArrowRight")
+    shown.page.keyboard.press("ArrowDown")
+    shown.page.keyboard.press("ArrowDown")
+    shown.page.keyboard.press("ArrowLeft")
+    assert strip.get_attribute("aria-valuetext").startswith("3 m: Shear")
+    assert strip.locator(".tip").is_visible() and shown.errors == []
 
 
 def test_paper_has_every_folded_table_and_a_picture_of_every_field(browser: Any, file: Path) -> None:

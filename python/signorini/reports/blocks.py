@@ -10,6 +10,8 @@ from functools import cache
 from importlib import resources
 from typing import Any, ClassVar, Literal
 
+from markupsafe import Markup
+
 from signorini.base.numbers import estimated, in_unit, number
 from signorini.discretise.rows import Floats
 from signorini.model import Units
@@ -86,14 +88,23 @@ class Label:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawing as SVG with a caption: size, paths with their kinds, labels; a diagram has ``data`` for the pointer."""
+    """A drawing as SVG with a caption: size, paths with their kinds, labels; ``legend`` has kinds and texts.
+
+    A diagram has ``data`` for the pointer.
+    """
 
     block: ClassVar[str] = "drawing"
     words: str
     size: tuple[float, float]
     paths: Sequence[tuple[str, str]]
-    labels: Sequence[Label]
+    labels: Sequence[Label] = ()
     data: str = ""
+    legend: Sequence[tuple[str, str]] = ()
+
+    @property
+    def script(self) -> Markup:
+        """Content of the script element with the data."""
+        return Markup(for_script(self.data))
 
     @property
     def kind(self) -> str:
@@ -118,6 +129,13 @@ class Section:
 
     key: str
     blocks: Sequence[Block]
+
+
+def for_script(data: str) -> str:
+    """JSON for a script element: no text in it can end the element."""
+    for letter in "<>&\u2028\u2029":
+        data = data.replace(letter, f"\\u{ord(letter):04x}")
+    return data
 
 
 def svg_path(points: Floats) -> str:

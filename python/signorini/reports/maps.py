@@ -22,6 +22,7 @@ from signorini.discretise.laws import constant_limit
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
+from signorini.reports.blocks import for_script
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
@@ -371,9 +372,7 @@ def map_html(data: MapData, element_id: str, language: str = "en", texts: Mappin
     ``texts`` replaces texts of the ``language`` in ``assets/maps.json``, and words of fields by their names.
     """
     known = json.loads(_asset("maps.json"))[language] | dict(texts or {})
-    header = json.dumps(data.header | {"texts": known}, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&":
-        header = header.replace(letter, f"\\u{ord(letter):04x}")
+    header = for_script(json.dumps(data.header | {"texts": known}, allow_nan=False, separators=(",", ":")))
     return (
         f'<div class="signorini-map" id="{html.escape(element_id)}">'
         f'<script type="application/json">{header}</script>'

@@ -12,6 +12,7 @@ from signorini.analysis.checks import judged
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import MapData, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
@@ -153,10 +154,10 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
-        told = [(one, own) for one in solved(of.values) if (own := _supports(one, index)) and own["max_pressure"]]
+        told = [(one, own) for one in solved(of.values) if (own := _supports(of, one, index)) and own["max_pressure"]]
         if told:
             one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
-            width = _width(one["plus_minus"], *_place(one, index), "max_pressure")
+            width = _width(one["plus_minus"], *of.place_of(index), "max_pressure")
             words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
             value = write.number(own["max_pressure"], width)
             yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
@@ -172,14 +173,8 @@ def _bearing(one: Mapping[str, Any]) -> str:
     return f"{one['support']}[{one['point']}]" if one["point"] else str(one["support"])
 
 
-def _place(one: Mapping[str, Any], index: int) -> tuple[str, int]:
-    """Keys of support number ``index`` in a combination: contacts follow supports."""
-    count = len(one["supports"])
-    return ("supports", index) if index < count else ("contacts", index - count)
-
-
-def _supports(one: Mapping[str, Any], index: int) -> Any:
-    return found(one, *_place(one, index))
+def _supports(of: Contents, one: Mapping[str, Any], index: int) -> Any:
+    return found(one, *of.place_of(index))
 
 
 def equilibrium(of: Contents) -> Iterator[Block]:
@@ -192,7 +187,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             of.results.model.effective_combinations[of.results.number_of(one["name"])]
         ).weighing
         load = float((discretisation.rigid_motions.T @ weighing).reshape(-1, 3)[:, 0].sum())
-        own = [_supports(one, index)["reaction"] for index, inner in enumerate(between) if not inner]
+        own = [_supports(of, one, index)["reaction"] for index, inner in enumerate(between) if not inner]
         size = max(abs(load), *map(abs, own), float(abs(weighing).sum()))
         numbers = (load, sum(own), sum(own) - load)
         rows.append([Cell(of.code(one["name"])), *(write.number(value, size=size) for value in numbers)])
@@ -217,7 +212,7 @@ def reactions(of: Contents) -> Iterator[Block]:
     rows, points = [], []
     for one in solved(of.values):
         for index in range(len(of.results.model.support)):
-            own, keys = _supports(one, index), _place(one, index)
+            own, keys = _supports(of, one, index), of.place_of(index)
             cells = [Cell(of.code(one["name"])), Cell(own["name"]), Cell(own["kind"])]
             cells += [write.number(own["reaction"], _width(one["plus_minus"], *keys, "reaction"), largest)]
             cells += [write.number(own["closed_part"])]
@@ -299,8 +294,8 @@ def cuts(of: Contents) -> Iterator[Block]:
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
-            if (wall := _supports(one, index)).get("max_per_length") is not None:
-                owner = _place(one, index)
+            if (wall := _supports(of, one, index)).get("max_per_length") is not None:
+                owner = of.place_of(index)
                 ends = (write.number(wall[each.name], _width(told, *owner, each.name)) for each in OF_LINES)
                 corners = "; ".join(
                     f"{write.place(c['at']).text}: {write.number(c['reaction']).text}" for c in wall["corners"]
@@ -313,8 +308,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     yield Table(write("strips"), [*head, *map(write.label, means)], strips)
     head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
     yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
-    yield from pictures.of_profiles(of.results, write)
-    yield from pictures.of_reactions(of.results, of.estimates)
+    yield from diagrams(of)
 
 
 def load_path(of: Contents) -> Iterator[Block]:

@@ -27,7 +27,7 @@ from signorini.formats.xlsx import write_xlsx
 from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
 from signorini.reports import numbers, sections
-from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.blocks import Block, Section, Text, Writer, data_uri, for_script
 from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
@@ -191,10 +191,7 @@ def _asset(name: str) -> str:
 
 def _embedded(values: Mapping[str, Any]) -> str:
     """JSON for a script element: no text in it can end the element."""
-    text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return text
+    return for_script(json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":")))
 
 
 def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:
@@ -240,7 +237,8 @@ def _printed(page: Path, browser: str) -> Path:
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "report.pdf"
         options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile"]
-        options += ["--virtual-time-budget=20000", f"--print-to-pdf={made}"]
+        # Tags of every cell would be a third of the file; the page itself is the version for screen readers.
+        options += ["--disable-pdf-tagging", "--virtual-time-budget=20000", f"--print-to-pdf={made}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.append("--no-sandbox")  # Chromium has no sandbox for root
         try:

@@ -14,7 +14,7 @@ from signorini.analysis.results import Results
 from signorini.design import aci318, en1992_punching
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError
-from signorini.reports.blocks import Cell, Drawing, Label, Writer, svg_path
+from signorini.reports.blocks import Cell, Drawing, Writer, svg_path
 from signorini.results.envelope import NONE
 from signorini.results.punching import ColumnResult
 from signorini.results.quantities import OF_COLUMNS
@@ -234,6 +234,5 @@ def figure(one: Punched, write: Writer) -> Drawing:
     paths += [(kind, "".join(svg_path(on(line)) for line in lines)) for kind, lines in one.lines.items() if lines]
     keys = ["u0", "u1", *(["uout"] if one.outer else [])]
     lengths = [f"{key} = {write.number(one.of.numbers[key]).text} {write.units.length}" for key in keys]
-    pairs = enumerate(zip(keys, lengths, strict=True))
-    labels = [Label(8.0, _SIZE - 8.0 - 17.0 * (len(keys) - 1 - at), words, key) for at, (key, words) in pairs]
-    return Drawing(write("perimeters", name=one.of.name), (_SIZE, _SIZE), paths, labels)
+    legend = list(zip(keys, lengths, strict=True))
+    return Drawing(write("perimeters", name=one.of.name), (_SIZE, _SIZE), paths, legend=legend)
