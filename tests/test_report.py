@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -185,6 +186,17 @@ def test_german(solved: tuple[signorini.Results, Any]) -> None:
     text = page.page(german, None, "")
     assert "Auflagerkräfte" in text and "Bemessungsmoment in x unten" in text
     assert "Reactions" not in text and "Governing combination" not in text
+
+
+def test_messages_of_the_program_are_marked_as_english_in_a_german_report() -> None:
+    feet = [{"name": "feet", "at": [[1, 1], [5, 1], [3, 3]], "resists": "down"}]
+    rows = [{"name": name, "factors": {"G": factor}} for name, factor in (("down", 1), ("lift", -1))]
+    results = signorini.solve(slab(support=feet, combination=rows, report={"language": "de"}))
+    text = unescape(page.page(results, None, ""))
+    said = next(iter(results.unbalanced.values()))
+    (shown,) = (line for line in text.splitlines() if said in line and line.startswith("<p"))
+    assert 'lang="en"' in shown and "auf Englisch" in text
+    assert all('lang="en"' in line for line in text.splitlines() if line.startswith('<p class="warning"'))
 
 
 def test_every_text_is_in_both_languages() -> None:
@@ -368,7 +380,7 @@ def test_a_diagram_shows_values_with_half_widths_by_pointer_and_keyboard(browser
     shown = Opened(browser, file)
     stages, values = shown.page.locator(".diagram .stage"), Parsed(text).results["combinations"]
     assert stages.evaluate_all("all => all.map(one => one.getAttribute('aria-label'))") == [
-        *("Section cut", "Strip middle [m]", "Profile axis [m]", "wall [m]")
+        *("Section cut", "Strip middle [m]", "Profile axis [m]", "Support wall [m]")
     ]
     strip, at = stages.nth(1), values[0]["strips"][0]["stations"][10]
     box = strip.locator("svg").bounding_box()

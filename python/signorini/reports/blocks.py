@@ -34,13 +34,17 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with a caption, titles of columns, and rows of cells; the first column names the row."""
+    """A table with a caption, titles of columns, and rows of cells; the first column names the row.
+
+    The rows of an ``english`` table are messages of the program, as are the words of an ``english`` text.
+    """
 
     block: ClassVar[str] = "table"
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     open: bool = False
+    english: bool = False
 
     @property
     def folded(self) -> bool:
@@ -60,6 +64,7 @@ class Text:
     block: ClassVar[str] = "text"
     words: str
     kind: Literal["plain", "heading", "good", "bad", "warning", "verbatim"] = "plain"
+    english: bool = False
 
 
 @dataclass(frozen=True)

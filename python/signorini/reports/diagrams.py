@@ -54,7 +54,13 @@ def diagrams(of: Contents) -> Iterator[Drawing]:
         line = found(every[0] if every else None, *place, "line")
         if line and all("reaction" in station for station in line):
             distance = np.array([station["s"] for station in line])
-            yield _diagram(support.name, distance, (), [_panel(of, per_length, (*place, "line"), True)], write)
+            yield _diagram(
+                f"{write('support')} {support.name}",
+                distance,
+                (),
+                [_panel(of, per_length, (*place, "line"), True)],
+                write,
+            )
 
 
 def _panel(of: Contents, quantity: Quantity, path: tuple[str | int, ...], upward: bool = False) -> _Panel:

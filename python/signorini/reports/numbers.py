@@ -11,7 +11,7 @@ from typing import Any
 from signorini.analysis.checks import judged
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
-from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
 from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import MapData, map_data, map_html
 from signorini.reports.punching import figure, sheet
@@ -107,8 +107,9 @@ def summary(of: Contents) -> Iterator[Block]:
     yield Text(write("certified", count=count, all=len(of.results)), "good" if passed and not failed else "plain")
     if failed:
         yield Text(write("unbalanced", count=failed), "bad")
+        yield from _in_english(write)
         for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
-            yield Text(f"{of.code(name)}: {message}", "bad")
+            yield Text(f"{of.code(name)}: {message}", "bad", english=True)
     rows = [
         [
             Cell(name),
@@ -130,6 +131,12 @@ def summary(of: Contents) -> Iterator[Block]:
         [write("quantity"), *(write(key) for key in ("value", "governing", "place"))],
         [*_field_rows(of, ["deflection"]), *_reaction_rows(of)],
     )
+
+
+def _in_english(write: Writer) -> Iterator[Text]:
+    """Yield the sentence that messages of the program are English, in reports in another language."""
+    if write.language != "en":
+        yield Text(write("in_english"))
 
 
 def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
@@ -318,7 +325,9 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending} {path['mechanism'] or ''}")
+    yield Text(ending)
+    if path["mechanism"]:
+        yield Text(path["mechanism"], english=True)
     yield pictures.of_path(of.along, write)
     yield _map(of, map_data(of.along), "map-path")
     rows = [
@@ -353,9 +362,11 @@ def warnings(of: Contents) -> Iterator[Block]:
             said.setdefault(sentence, []).append(of.code(one["name"]))
     for sentence in found(of.values, "table", "warnings") or ():
         said.setdefault(sentence, [])
+    if said:
+        yield from _in_english(of.write)
     for sentence, names in said.items():
         every = len(names) in (0, len(of.values["combinations"]))
-        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning")
+        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning", english=True)
     if not said:
         yield Text(of.write("no_warnings"))
     singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
@@ -364,4 +375,4 @@ def warnings(of: Contents) -> Iterator[Block]:
         for one in singular.values()
     ]
     head = [of.write("place"), of.write("without_limit"), of.write.titled("within", "deflection"), of.write("advice")]
-    yield Table(of.write("singular"), head, rows)
+    yield Table(of.write("singular"), head, rows, english=True)
