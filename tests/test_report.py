@@ -261,6 +261,17 @@ def test_a_punching_sheet_has_all_numbers_of_the_governing_row_of_a_table() -> N
     assert "<svg" in page.page(of.results, None, "")
 
 
+def test_a_punching_sheet_by_aci_gives_the_stress_from_its_numbers() -> None:
+    table = {"support": "feet", "column": [0.3, 0.4], "code": "ACI 318-19", "d": [0.16, 0.15], "fck": 3e4, "fyk": 4.2e5}
+    model = slab(punching=[table], mesh={"size": 0.5})
+    for block in numbers.punching(contents((signorini.solve(model), None))):
+        if isinstance(block, Table):
+            found = {row[0].text: row[2].value for row in block.rows}
+            parts = [found[f"γv,{n}"] * found[f"M,{n}"] * found[f"c,{n}"] / found[f"Jc,{n}"] for n in "12"]
+            mean = (found["V"] - found["ΔV"]) / (found["bo"] * found["d"])
+            assert found["vu"] == pytest.approx(mean + sum(parts), rel=1e-6)
+
+
 def test_many_combinations_are_folded_and_counted() -> None:
     rows = [{"name": f"c{at}", "factors": {"G": 1 + at / 100, "Q": at / 10}} for at in range(60)]
     results = signorini.solve(slab(combination=rows))

@@ -22,8 +22,8 @@ _MOST = 8
 _DIGITS, _TICKS, _APART = 4, 8, 13.0
 """Number of significant digits at axes, largest number of intervals between ticks, and distance of labels in pixels."""
 _PROFILED = ("deflection", *RESULTANTS, PRESSURE.name)
-_Curve = tuple[str, Sequence[float | None], Sequence[Any]]
-"""Combination, values (k,), and half-widths (k,), ``...`` without half-widths."""
+_Curve = tuple[str, Sequence[float | None], Sequence[Any], Sequence[str]]
+"""Name, values (k,), half-widths (k,), ``...`` without half-widths, and governing combinations (k,) or none."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,9 @@ def diagrams(of: Contents) -> Iterator[Drawing]:
         told = [found(one["plus_minus"], "sections", index) for one in every]
         panels = [_Panel(each, [_curve("", values, told, each)]) for each in THROUGH]
         codes = [of.code(one["name"]).partition(":")[0] for one in every]
-        yield _diagram(f"{write('section')} {cut['name']}", np.arange(len(every)), codes, panels, write)
+        yield _diagram(
+            f"{write('section')} {cut['name']}", np.arange(len(every), dtype=np.float64), codes, panels, write
+        )
     for key, quantities in (("strip", along), ("profile", [PICTURED[name] for name in _PROFILED])):
         for index, first in enumerate(every[0][f"{key}s"] if every else ()):
             places = np.array([[one["x"], one["y"]] if key == "profile" else one["at"] for one in first["stations"]])
@@ -77,15 +79,15 @@ def _panel(of: Contents, quantity: Quantity, path: tuple[str | int, ...], upward
 def _curve(name: str, stations: Sequence[Any], told: Sequence[Any] | None, quantity: Quantity) -> _Curve:
     values = [one.get(quantity.name, found(one, *quantity.path)) for one in stations]
     widths = [...] * len(values) if told is None else [found(one, *quantity.path) for one in told]
-    return name, values, widths
+    return name, values, widths, ()
 
 
 def _ends(side: str, curves: Sequence[_Curve], pick: Any) -> _Curve:
     """Largest or smallest values over combinations."""
-    every = np.array([values for _, values, _ in curves], np.float64)
-    known = ~np.isnan(every).all(axis=0)
-    by = [int(pick(every[:, at])) if known[at] else 0 for at in range(every.shape[1])]
-    return side, [curves[row][1][at] for at, row in enumerate(by)], [curves[row][2][at] for at, row in enumerate(by)]
+    every = np.array([values for _, values, *_ in curves], np.float64)
+    by = [0 if np.isnan(column).all() else int(pick(column)) for column in every.T]
+    values, widths = ([curves[row][part][at] for at, row in enumerate(by)] for part in (1, 2))
+    return side, values, widths, [f" ({curves[row][0].partition(':')[0]})" for row in by]
 
 
 def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequence[_Panel], write: Writer) -> Drawing:
@@ -94,12 +96,12 @@ def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequenc
     x = _LEFT + (distance - distance.min()) / span * (_WIDE - _LEFT - 12.0)
     sizes: dict[str, float] = {}
     for panel in panels:
-        every = [value for _, own, _ in panel.curves for value in own if value is not None]
+        every = [value for _, own, *_ in panel.curves for value in own if value is not None]
         sizes[panel.quantity.kind] = max(sizes.get(panel.quantity.kind, 0.0), size_of(every))
     paths, labels, shown = list[tuple[str, str]](), list[Label](), list[Any]()
     for row, panel in enumerate(panels):
         largest = sizes[panel.quantity.kind]
-        values = [np.array(own, np.float64) for _, own, _ in panel.curves]
+        values = [np.array(own, np.float64) for _, own, *_ in panel.curves]
         values = [np.where(np.abs(own) <= ROUNDING * largest, 0.0, own) for own in values]
         low, high = (float(pick(np.append(np.concatenate(values), 0.0))) for pick in (np.nanmin, np.nanmax))
         top, size = row * _HIGH + _TOP, _HIGH - _TOP - 12.0
@@ -115,7 +117,7 @@ def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequenc
         for value in (0.0, *(end for end in (low, high) if abs(level(end) - level(0.0)) > _APART)):
             labels.append(Label(_LEFT - 6.0, level(value) + 4.0, number(value, digits=_DIGITS), "tick"))
         own = []
-        for at, ((name, _, widths), of) in enumerate(zip(panel.curves, values, strict=True)):
+        for at, ((name, _, widths, by), of) in enumerate(zip(panel.curves, values, strict=True)):
             pixels = np.column_stack([x, level(of)])
             gaps = np.flatnonzero(np.isnan(of))
             if names:
@@ -124,8 +126,11 @@ def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequenc
                 pieces = [piece[~np.isnan(piece[:, 1])] for piece in np.split(pixels, gaps)]
             if line := "".join(svg_path(piece) for piece in pieces if len(piece)):
                 paths.append((f"{'bars' if names else 'curve'} c{at}", line))
-            pairs = zip(of.tolist(), widths, strict=True)
-            texts = ["" if value != value else write.number(value, width, largest).text for value, width in pairs]
+            triples = zip(of.tolist(), widths, by or [""] * len(of), strict=True)
+            texts = [
+                "" if np.isnan(value) else write.number(value, width, largest).text + who
+                for value, width, who in triples
+            ]
             own.append([name, texts, [None if y != y else round(y) for y in pixels[:, 1].tolist()]])
         shown.append([title, row * _HIGH, own])
     bottom = len(panels) * _HIGH
@@ -137,6 +142,6 @@ def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequenc
         labels.append(Label(float(x[at]), bottom + 8.0, ticks[at], "below"))
     unit = "" if names else write.units.length
     data = {"x": [round(one) for one in x.tolist()], "at": list(ticks), "unit": f" {unit}".rstrip(), "panels": shown}
-    legend = [(f"c{at}", name) for at, (name, _, _) in enumerate(panels[0].curves) if name]
+    legend = [(f"c{at}", name) for at, (name, *_) in enumerate(panels[0].curves) if name]
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return Drawing(words + in_unit(unit), (_WIDE, bottom + _FOOT - 12.0), paths, labels, text, legend)

@@ -148,7 +148,8 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
         yield row(symbol, "ratio", rho, 0, 0, given)
     for symbol, strength in zip(("fck", "fyk") if eurocode else ("f'c", "fyt"), (check.fck, check.fyk), strict=True):
         yield row(symbol, "strength", strength, 1, -2, given)
-    helping = [row(*each) for each in (_eurocode(one, check) if eurocode else _aci(check))]
+    helpers = _eurocode(one, check) if isinstance(check, en1992_punching.Punching) else _aci(one, check)
+    helping = [row(*each) for each in helpers]
     for quantity in OF_COLUMNS:
         if quantity.name == "beta":
             yield from helping
@@ -199,20 +200,29 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
     yield "fywd,ef", "effective", effective, 1, -2, "= 250 + 0.25 d ≤ fyk/1.15 in MPa and mm; 6.4.5(1)"
 
 
-def _aci(check: aci318.Punching) -> _Help:
+def _aci(one: Punched, check: aci318.Punching) -> _Help:
     pieces, normals, column = check.basic.pieces, check.basic.normals, check.plan.column
     axis = normals[0] if normals else column.axis
+    numbers, force, length = one.of.numbers, one.of.column.force, one.of.column.length
+    net = force * (numbers["force"] - numbers["inside"])
+    moment = force * length * complex(numbers["moment_x"], numbers["moment_y"]) * np.sign(net)
+    moment -= abs(net) * (pieces.centroid - column.centre)
     for number, direction in ((1, axis), (2, 1j * axis)) if check.given is None else ():
+        about = (moment * np.conj(direction)).real
         sides = [np.array([side, -side]) for side in (direction, 1j * direction)]
         b1, b2 = (float(pieces.highest(side).sum()) for side in sides)
-        high, low = pieces.highest(sides[0]) + np.array([-1.0, 1.0]) * (pieces.centroid * np.conj(direction)).real
-        yield f"γv{number}", "shear_part", aci318.shear_part(b1, b2), 0, 0, f"8.4.4.2.2, {_along(direction)}"
-        yield f"c{number}", "outermost", max(high, low), 0, 1, "R8.4.4.2.3"
-        yield f"Jc{number}", "inertia", pieces.inertia(direction, check.depth), 0, 4, "R8.4.4.2.3"
+        middle = (pieces.centroid * np.conj(direction)).real
+        outermost = float(
+            pieces.highest(np.array([direction * np.sign(about or 1.0)]))[0] - middle * np.sign(about or 1.0)
+        )
+        yield f"M,{number}", "about_centroid", abs(about), 1, 1, "R8.4.4.2.3"
+        yield f"γv,{number}", "shear_part", aci318.shear_part(b1, b2), 0, 0, f"8.4.4.2.2, {_along(direction)}"
+        yield f"c,{number}", "outermost", outermost, 0, 1, "R8.4.4.2.3"
+        yield f"Jc,{number}", "inertia", pieces.inertia(direction, check.depth), 0, 4, "R8.4.4.2.3"
     if check.given is not None:
         yield "β", "factor", check.given, 0, 0, ""
-    sides = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
-    yield "βc", "side_ratio", sides[1] / sides[0], 0, 0, "22.6.5.2"
+    short, long = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
+    yield "βc", "side_ratio", long / short, 0, 0, "22.6.5.2"
     yield "αs", "place_factor", {0: 40.0, 1: 30.0}.get(len(normals), 20.0), 0, 0, "22.6.5.3"
     yield "λs", "size_factor", aci318.size_factor(check.depth), 0, 0, "= √(2/(1 + 0.004 d)) ≤ 1, d in mm; 22.5.5.1.3"
     yield "φ", "safety", aci318.PHI, 0, 0, "Table 21.2.1"

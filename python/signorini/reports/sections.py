@@ -76,9 +76,13 @@ class Contents:
         )
         return found[0].unit(self.write.units) if found else ""
 
+    @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(self.results)  # `in` of results themselves would solve the combination
+
     def code(self, name: str) -> str:
         """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
-        if len(self.results) < 3 or name not in self.results:
+        if len(self.results) < 3 or name not in self._names:
             return name
         return f"C{self.results.number_of(name) + 1}: {name}"
 
