@@ -86,7 +86,8 @@ def _ends(side: str, curves: Sequence[_Curve], pick: Any) -> _Curve:
     """Largest or smallest values over combinations."""
     every = np.array([values for _, values, *_ in curves], np.float64)
     by = [0 if np.isnan(column).all() else int(pick(column)) for column in every.T]
-    values, widths = ([curves[row][part][at] for at, row in enumerate(by)] for part in (1, 2))
+    values = [curves[row][1][at] for at, row in enumerate(by)]
+    widths = [curves[row][2][at] for at, row in enumerate(by)]
     return side, values, widths, [f" ({curves[row][0].partition(':')[0]})" for row in by]
 
 

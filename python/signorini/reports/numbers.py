@@ -362,14 +362,14 @@ def warnings(of: Contents) -> Iterator[Block]:
             said.setdefault(sentence, []).append(of.code(one["name"]))
     for sentence in found(of.values, "table", "warnings") or ():
         said.setdefault(sentence, [])
-    if said:
+    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    if said or singular:
         yield from _in_english(of.write)
     for sentence, names in said.items():
         every = len(names) in (0, len(of.values["combinations"]))
         yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning", english=True)
     if not said:
         yield Text(of.write("no_warnings"))
-    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
     rows = [
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()

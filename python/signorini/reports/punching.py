@@ -21,22 +21,22 @@ from signorini.results.quantities import OF_COLUMNS
 
 _FORMULAS = {
     "EN 1992-1-1:2004": {
-        "beta": "given, or 1 + Σ k u1/W1 · e, e = M/|V − ΔV|; inward of an edge u1/u1* + k* u1/W1,2 · e2",
+        "beta": "1 + Σ k u1/W1 · e, e = M/|V − ΔV|; u1/u1* + k* u1/W1,2 · e2",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
         "v_ed_face": "β · V / (u0 · d)",
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
         "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
-        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) where vEd > vRd,c, else 0",
+        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) ≥ 0 if vEd > vRd,c",
         "uout": "vEd · u1 / vRd,c",
-        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
+        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max); 6.4.3(2)",
     },
     "ACI 318-19": {
-        "beta": "vu / mean, mean = |V − ΔV| / (bo d)",
-        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc, or β given · |V − ΔV| / (bo d)",
+        "beta": "vu / (|V − ΔV| / (bo d))",
+        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
         "v_ed_face": "V / (u0 · d)",
         "v_rd_c": "φ · min(0.33, 0.17 (1 + 2/βc), 0.083 (2 + αs d/bo)) · λs √f'c in MPa",
         "v_rd_max": "φ 0.5 √f'c",
-        "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) where vu > φ vc, else 0; fyt ≤ 420 MPa",
+        "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) ≥ 0 if vu > φ vc; fyt ≤ 420 MPa",
         "uout": "vu · bo / (φ 0.17 λs √f'c)",
         "utilisation": "vu / (φ vc)",
     },
