@@ -41,7 +41,7 @@ def diagrams(of: Contents) -> Iterator[Drawing]:
         values = [one["sections"][index] for one in every]
         told = [found(one["plus_minus"], "sections", index) for one in every]
         panels = [_Panel(each, [_curve("", values, told, each)]) for each in THROUGH]
-        codes = [of.code(one["name"]).partition(":")[0] for one in every]
+        codes = [of.short(one["name"]) for one in every]
         yield _diagram(
             f"{write('section')} {cut['name']}", np.arange(len(every), dtype=np.float64), codes, panels, write
         )

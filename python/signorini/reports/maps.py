@@ -24,6 +24,7 @@ from signorini.errors import InputError
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.blocks import for_script
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
+from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
@@ -37,6 +38,10 @@ BUDGET = 1_500_000
 """Largest size of a viewer's arrays in the page [bytes]."""
 MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
+_BY_WEIGHT = tuple(
+    sorted(PICTURED, key=lambda name: 2 * name.startswith("rotation") - (PICTURED[name].kind == "reinforcement"))
+)
+"""Fields in the order in which they are stored: required reinforcement first, rotations last."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
 _MOST_NAMES = 500
@@ -123,7 +128,8 @@ class _OfEnvelope:
     about: dict[str, Any]
     envelope: Envelope
     end: int
-    key: Callable[[int], str]
+    key: Callable[[int], str]  # name of a row under the pointer
+    label: Callable[[int], str]  # name of a row on the map
     estimates: Estimates | None = None
     rank: int = 0
 
@@ -147,7 +153,7 @@ class _OfEnvelope:
         told = self.estimates is not None and bool(self.estimates.table)
         if self.estimates is not None and told:
             width = self.estimates.half_width(f"{SIDES[self.end]}:{column}", row)
-        words = f"{extreme(SIDES[self.end], value, told, width)}, {self.key(row)}"
+        words = f"{extreme(SIDES[self.end], value, told, width)}, {self.label(row)}"
         at = rounded(self.envelope.places_of(column)[self.end])
         return {"range": rounded([ends.min, ends.max]), "ends": [[words, *at]], "discs": [], "width": width}
 
@@ -171,7 +177,7 @@ def map_data(
     results: Results | Result | LoadPath,
     estimates: Estimates | None = None,
     *,
-    fields: Sequence[str] = tuple(PICTURED),
+    fields: Sequence[str] = _BY_WEIGHT,
     budget: int = BUDGET,
     columns: Sequence[Punched] = (),
 ) -> MapData:
@@ -224,7 +230,7 @@ def map_data(
             continue
         about = state.describe(of.plate, name)
         stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
-    kept = [name for name in fields if any(name in of for row in stored for of in row)]
+    kept = [name for name in PICTURED if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
         "length": units.length,
@@ -262,18 +268,21 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     """Yield the states of a viewer: envelopes, then governing and other combinations, or stops of a path."""
     if isinstance(results, Result):
         if results.status == "solved":
-            yield _OfResult({"kind": "combination", "name": results.name}, 1, results)
+            yield _OfResult({"kind": "combination", "name": results.name, "words": results.name}, 1, results)
         return
     key: Callable[[int], str]
+    label: Callable[[int], str]
     if isinstance(results, Results):
-        key, count = results.key, results.combined.solved
+        count = results.combined.solved
+        key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))
         envelopes = {"": results.envelope} | (dict(results.groups) if len(results.groups) > 1 else {})
     else:
-        key, count = (lambda row: _at(results.key(row))), len(results.stops)
+        count = len(results.stops)
+        key = label = lambda row: _at(results.key(row))
         envelopes = {"": results.envelope}
     for group, envelope in envelopes.items() if count > 1 else ():
         for end, side in enumerate(_ENDS):
-            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, estimates)
+            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, label, estimates)
     if isinstance(results, LoadPath):
         for row in _stops(results):
             t = results.key(row)
@@ -282,7 +291,8 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     governing = results.governing
     for name in [*governing, *(name for name in results.full if name not in governing)]:
         if (result := results[name]).status == "solved":
-            yield _OfResult({"kind": "combination", "name": name}, 1 + (name not in governing), result, estimates)
+            about = {"kind": "combination", "name": name, "words": numbered(results, name)}
+            yield _OfResult(about, 1 + (name not in governing), result, estimates)
 
 
 def _at(t: float) -> str:

@@ -61,6 +61,7 @@ def _of_case(each: Discretisation, loads: list[LoadMark]) -> bytes:
         supports=marks.unsolved_marks(each),
         loads=loads,
         totals=marks.case_totals(each),
+        mesh=False,
         length=each.model.units.length,
     )
     return _png(figure)

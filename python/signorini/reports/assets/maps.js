@@ -97,13 +97,14 @@
 
     // Values of a layer at nodes or on elements; NaN where missing.
     async values({ blob, first, power, nodes }) {
-      if (!this.loaded.has(blob)) {
+      const key = [blob, first, power].join(); // equal codes may be of different values
+      if (!this.loaded.has(key)) {
         const codes = nodes ? await this.codes(blob) : (await this.store.sums(blob)).map((code) => code & 0xffff);
         const divisor = 10 ** Math.abs(power);
-        this.loaded.set(blob, Float64Array.from(codes, (code) =>
+        this.loaded.set(key, Float64Array.from(codes, (code) =>
           code === MISSING ? NaN : power < 0 ? (first + code) / divisor : (first + code) * divisor));
       }
-      return this.loaded.get(blob);
+      return this.loaded.get(key);
     }
 
     place(node) {
@@ -484,9 +485,9 @@
       const data = JSON.parse(header.textContent), { texts, blobs, fields } = data;
       const at = { state: 0, field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
       const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true };
-      const store = new Store(content.textContent.trim(), blobs), pointers = new Map();
+      const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
-      Object.assign(this, { root, data, store, texts, at, angles, pointers, with: shown, plates: [], view: null });
+      Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
       this.build();
       this.ready = this.show({});
     }
@@ -555,7 +556,7 @@
     }
 
     nameOf(state) {
-      if (state.kind === "combination") return state.name;
+      if (state.kind === "combination") return state.words;
       if (state.kind === "stop") return state.words ? `${state.name}: ${state.words}` : state.name;
       return `${this.texts[state.kind]}${state.name ? `: ${state.name}` : ""}`;
     }
@@ -701,13 +702,13 @@
       return most ? this.controls.times.value / 40 * 0.15 * this.plate.size / most : 0;
     }
 
-    // Box [x, y, x, y] of the projected outline, without deflection.
+    // Box [x, y, x, y] of the projected outline.
     box([right, up] = this.turn) {
-      const box = [Infinity, Infinity, -Infinity, -Infinity];
+      const box = [Infinity, Infinity, -Infinity, -Infinity], { times } = this;
       for (const side of this.plate.sides.outline)
         for (const node of side) {
           const [x, y] = this.plate.place(node).map((one, i) => one - this.plate.low[i]);
-          const p = [right[0] * x + right[1] * y, up[0] * x + up[1] * y];
+          const p = [right[0] * x + right[1] * y, up[0] * x + up[1] * y - (times && up[2] * times * this.deflection[node])];
           for (const i of [0, 1]) { box[i] = Math.min(box[i], p[i]); box[2 + i] = Math.max(box[2 + i], p[i]); }
         }
       return box;
@@ -779,6 +780,20 @@
         this.heights.set(line, found.map((one) => (one ? this.plate.at(one, this.deflection) : 0)));
       }
       return this.heights.get(line);
+    }
+
+    // A line with so many points that it follows the deformed plate.
+    fine(line) {
+      if (!this.times) return line;
+      if (!this.lines.has(line)) {
+        const fine = line.slice(0, 2);
+        for (let i = 2; i < line.length; i += 2) {
+          const [x, y] = [line[i] - line[i - 2], line[i + 1] - line[i - 1]], count = Math.ceil(40 * Math.hypot(x, y) / this.plate.size);
+          for (let k = count - 1; k >= 0; k--) fine.push(line[i] - x * k / count, line[i + 1] - y * k / count);
+        }
+        this.lines.set(line, fine);
+      }
+      return this.lines.get(line);
     }
 
     // Points of the map of a flat list x, y, x, y.
@@ -943,7 +958,7 @@
 
     drawCuts(pen, marks, labels) {
       const cut = (line, name, look) => {
-        const places = this.projected(line);
+        const places = this.projected(this.fine(line));
         this.path(pen, places, { width: 1.5, halo: 2, ...look });
         if (name) labels.add(name, ...places[places.length - 1], { colour: look.colour });
       };
@@ -1003,7 +1018,7 @@
       const bar = make("div", { className: "bar", style: `background: linear-gradient(to right, ${stops})` });
       const ticks = make("div", { className: "ticks" });
       for (let k = Math.ceil(low / every - 1e-9); k * every <= high + 1e-9 * every; k++)
-        ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `left:${at(k * every)}%` }));
+        ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `--at: ${at(k * every)}%` }));
       const title = `${words}${unit ? ` [${unit}]` : ""}`;
       this.legend.replaceChildren(make("div", { className: "title" }, make("b", { textContent: title }),
         make("span", { textContent: `${this.nameOf(this.state)}${this.data.plates.length > 1 ? `, ${this.plate.name}` : ""}` })), bar, ticks);
