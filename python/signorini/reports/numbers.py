@@ -15,7 +15,8 @@ from signorini.analysis.results import Results
 from signorini.output.by_combination import by_combination
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
-from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
+from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
@@ -111,8 +112,9 @@ def summary(of: Contents) -> Iterator[Block]:
     yield Text(write("certified", count=count, all=len(of.results)), "good" if passed and not failed else "plain")
     if failed:
         yield Text(write("unbalanced", count=failed), "bad")
+        yield from _in_english(write)
         for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
-            yield Text(f"{of.code(name)}: {message}", "bad")
+            yield Text(f"{of.code(name)}: {message}", "bad", english=True)
     rows = [
         [
             Cell(name),
@@ -134,6 +136,12 @@ def summary(of: Contents) -> Iterator[Block]:
         [write("quantity"), *(write(key) for key in ("value", "governing", "place"))],
         [*_field_rows(of, ["deflection"]), *_reaction_rows(of)],
     )
+
+
+def _in_english(write: Writer) -> Iterator[Text]:
+    """Yield the sentence that messages of the program are English, in reports in another language."""
+    if write.language != "en":
+        yield Text(write("in_english"))
 
 
 def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
@@ -158,10 +166,10 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
-        told = [(one, own) for one in solved(of.values) if (own := _supports(one, index)) and own["max_pressure"]]
+        told = [(one, own) for one in solved(of.values) if (own := _supports(of, one, index)) and own["max_pressure"]]
         if told:
             one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
-            width = _width(one["plus_minus"], *_place(one, index), "max_pressure")
+            width = _width(one["plus_minus"], *of.place_of(index), "max_pressure")
             words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
             value = write.number(own["max_pressure"], width)
             yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
@@ -177,14 +185,8 @@ def _bearing(one: Mapping[str, Any]) -> str:
     return f"{one['support']}[{one['point']}]" if one["point"] else str(one["support"])
 
 
-def _place(one: Mapping[str, Any], index: int) -> tuple[str, int]:
-    """Keys of support number ``index`` in a combination: contacts follow supports."""
-    count = len(one["supports"])
-    return ("supports", index) if index < count else ("contacts", index - count)
-
-
-def _supports(one: Mapping[str, Any], index: int) -> Any:
-    return found(one, *_place(one, index))
+def _supports(of: Contents, one: Mapping[str, Any], index: int) -> Any:
+    return found(one, *of.place_of(index))
 
 
 def equilibrium(of: Contents) -> Iterator[Block]:
@@ -197,7 +199,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             of.results.model.effective_combinations[of.results.number_of(one["name"])]
         ).weighing
         load = float((discretisation.rigid_motions.T @ weighing).reshape(-1, 3)[:, 0].sum())
-        own = [_supports(one, index)["reaction"] for index, inner in enumerate(between) if not inner]
+        own = [_supports(of, one, index)["reaction"] for index, inner in enumerate(between) if not inner]
         size = max(abs(load), *map(abs, own), float(abs(weighing).sum()))
         numbers = (load, sum(own), sum(own) - load)
         rows.append([Cell(of.code(one["name"])), *(write.number(value, size=size) for value in numbers)])
@@ -222,7 +224,7 @@ def reactions(of: Contents) -> Iterator[Block]:
     rows, points = [], []
     for one in solved(of.values):
         for index in range(len(of.results.model.support)):
-            own, keys = _supports(one, index), _place(one, index)
+            own, keys = _supports(of, one, index), of.place_of(index)
             cells = [Cell(of.code(one["name"])), Cell(own["name"]), Cell(own["kind"])]
             cells += [write.number(own["reaction"], _width(one["plus_minus"], *keys, "reaction"), largest)]
             cells += [write.number(own["closed_part"])]
@@ -314,7 +316,8 @@ def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
     """Interactive map with its texts in the language of the report."""
 
     def markup(budget: int) -> str:
-        data = map_data(results, of.estimates if results is of.results else None, budget=budget)
+        told, columns = (of.estimates, of.punched) if results is of.results else (None, ())
+        data = map_data(results, told, budget=budget, columns=columns)
         words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
         return map_html(data, name, of.write.language, words)
 
@@ -338,8 +341,8 @@ def cuts(of: Contents) -> Iterator[Block]:
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
-            if (wall := _supports(one, index)).get("max_per_length") is not None:
-                owner = _place(one, index)
+            if (wall := _supports(of, one, index)).get("max_per_length") is not None:
+                owner = of.place_of(index)
                 ends = (write.number(wall[each.name], _width(told, *owner, each.name)) for each in OF_LINES)
                 corners = "; ".join(
                     f"{write.place(c['at']).text}: {write.number(c['reaction']).text}" for c in wall["corners"]
@@ -352,8 +355,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     yield Table(write("strips"), [*head, *map(write.label, means)], strips)
     head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
     yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
-    yield from pictures.of_profiles(of.results, write)
-    yield from pictures.of_reactions(of.results, of.estimates)
+    yield from diagrams(of)
 
 
 def load_path(of: Contents) -> Iterator[Block]:
@@ -363,7 +365,9 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending[:-1]}: {path['mechanism']}." if path["mechanism"] else ending)
+    yield Text(ending)
+    if path["mechanism"]:
+        yield Text(path["mechanism"], english=True)
     yield pictures.of_path(of.along, write)
     yield _map(of, of.along, "map-path")
     rows = [
@@ -398,15 +402,17 @@ def warnings(of: Contents) -> Iterator[Block]:
             said.setdefault(sentence, []).append(of.code(one["name"]))
     for sentence in found(of.values, "table", "warnings") or ():
         said.setdefault(sentence, [])
+    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    if said or singular:
+        yield from _in_english(of.write)
     for sentence, names in said.items():
         every = len(names) in (0, len(of.values["combinations"]))
-        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning")
+        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning", english=True)
     if not said:
         yield Text(of.write("no_warnings"))
-    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
     rows = [
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()
     ]
     head = [of.write("place"), of.write("without_limit"), of.write.titled("within", "deflection"), of.write("advice")]
-    yield Table(of.write("singular"), head, rows)
+    yield Table(of.write("singular"), head, rows, english=True)
