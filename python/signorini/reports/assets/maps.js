@@ -490,7 +490,7 @@
       for (const field of this.data.fields) field.words = this.texts[field.name] || field.words;
       this.plates = [];
       this.at = { state: 0, field: this.data.fields[0].name, plate: 0 };
-      this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true };
+      this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       this.angles = { around: 0, up: 90 };
       this.view = null;
       this.lines = new WeakMap();
@@ -1008,7 +1008,7 @@
           count += 1;
         }
       });
-      if (!state) return;
+      if (!state || !this.with.numbers) return;
       if (support.style === "line" && support.lines.length && support.kind !== "symmetry") {
         const longest = support.lines.reduce((a, b) => (b.length > a.length ? b : a)), places = this.projected(longest);
         labels.add(state.total, ...places[places.length >> 1]);
