@@ -488,6 +488,7 @@
       const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
       Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
+      this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       this.build();
       this.ready = this.show({});
     }
@@ -998,7 +999,7 @@
           count += 1;
         }
       });
-      if (!state) return;
+      if (!state || !this.with.numbers) return;
       if (support.style === "line" && support.lines.length && support.kind !== "symmetry") {
         const longest = support.lines.reduce((a, b) => (b.length > a.length ? b : a)), places = this.projected(longest);
         labels.add(state.total, ...places[places.length >> 1]);

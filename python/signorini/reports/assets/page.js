@@ -98,7 +98,7 @@
   });
 
   // Fields and states of a map for paper: those with the largest and the smallest value, and of pressures some combinations.
-  const LEAST = 0.2, MOST = 6;
+  const LEAST = 0.2, MOST = 6, NUMBERED = ["deflection", "pressure"];  // fields that show reactions on paper
   const chosen = ({ states, fields, plates }) => plates.flatMap((_, plate) => fields.flatMap(({ name: field }) => {
     const known = states.flatMap((one, state) => {
       const about = one.plates[plate].fields[field];
@@ -124,6 +124,7 @@
     await viewer.ready;
     for (const wanted of chosen(viewer.data)) {
       await pause();
+      viewer.with.numbers = NUMBERED.includes(wanted.field);
       await viewer.show(wanted);
       viewer.paint(DOTS);
       const legend = viewer.legend.cloneNode(true), alt = legend.querySelector(".title").textContent;
