@@ -401,17 +401,11 @@ def punching(of: Contents) -> Iterator[Block]:
 
 
 def warnings(of: Contents) -> Iterator[Block]:
-    """Yield each warning once, with the combinations it is about, and the places without a limit."""
-    said: dict[str, list[str]] = {}
-    for one in of.values["combinations"]:
-        for sentence in one["warnings"]:
-            said.setdefault(sentence, []).append(of.code(one["name"]))
-    for sentence in found(of.values, "table", "warnings") or ():
-        said.setdefault(sentence, [])
-    for sentence, names in said.items():
-        every = len(names) in (0, len(of.values["combinations"]))
-        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning")
-    if not said:
+    """Yield each warning with the combinations that it is about, and the places without a limit."""
+    for one in of.values["warnings"]:
+        names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
+        yield Text(one["text"] + names, "warning")
+    if not of.values["warnings"]:
         yield Text(of.write("no_warnings"))
     singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
     rows = [
