@@ -9,7 +9,9 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from test_spreadsheet import read
 
 import signorini
 from signorini import InputError, Model
@@ -214,16 +216,36 @@ def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Result
     assert said[1][1:7] == ["90", "100", "m", "0.9000 ± 0.020", "C3: SLS", "(1; 2)"]
 
 
-def test_a_sheet_for_each_punched_column(solved: tuple[signorini.Results, Any]) -> None:
-    of = contents(solved)
-    column = {"name": "feet[1]", "at": [5.0, 1.0], "code": "EN 1992-1-1:2004", "openings": [], "utilisation": 0.8}
-    column |= {"u1": 3.2, "v_ed": 400.0, "v_rd_c": 500.0, "clauses": {"v_ed": "EN 1992-1-1, 6.4.3, Eq. (6.38)"}}
-    for one, used in zip(of.values["combinations"], (0.5, 0.8, 0.7), strict=True):
-        one["punching"] = [column | {"utilisation": used}]
+def test_a_punching_sheet_has_all_numbers_of_the_governing_row_of_a_table() -> None:
+    code = {"code": "EN 1992-1-1:2004", "d": [0.16, 0.15], "rho": [0.005, 0.005], "fck": 3e4, "fyk": 5e5}
+    table = {"support": "feet", "column": [0.3, 0.3], **code}
+    plate = {"shape": "rectangle", "size": [8, 8], "thickness": 0.2, "holes": [{"rectangle": [4.4, 1.6, 4.7, 2.4]}]}
+    stiff = [{"name": "wall", "edge": "left", "fix": "simple"}, {"name": "feet", "at": [[5, 2], [5, 6]]}]
+    load = [{"case": "G", "pressure": 11}, {"case": "Q", "pressure": 5, "area": {"rectangle": [3, 0, 6, 4]}}]
+    output = {"combinations": "table", "fields": "none"}
+    model = slab(punching=[table], plate=plate, support=stiff, load=load, output=output, mesh={"size": 0.5})
+    of = contents((signorini.solve(model), None))
     blocks = list(numbers.punching(of))
     headings = [one.words for one in blocks if isinstance(one, Text) and one.kind == "heading"]
-    assert headings == ["feet[1], (5; 1), Combination C2: up"]
-    assert any(isinstance(one, Text) and "0.8" in one.words and "passed" in one.words for one in blocks)
+    assert headings == [f"feet[{n}], (5; {y}), Combination C1: {BAD}" for n, y in ((1, 2), (2, 6))]
+    for sheet, one in zip([one for one in blocks if isinstance(one, Table)], of.punched, strict=True):
+        found = {row[0].text: row[2].value for row in sheet.rows}
+        of_envelope = of.values["envelope"]["punching"][("feet[1]", "feet[2]").index(one.of.name)]
+        assert found["utilisation"] == pytest.approx(of_envelope["utilisation"]["max"], rel=1e-9)
+        net, d = found["V"] - found["ΔV"], found["d"]
+        eccentric = sum(found[f"k{n}"] * found[f"e{n}"] / found[f"W1,{n}"] for n in "12")
+        inward = found["u1"] / found["u1*"] if "u1*" in found else 0.0
+        assert found["β"] == pytest.approx(max(1 + eccentric * found["u1"], inward), rel=1e-6)
+        assert found["vEd"] == pytest.approx(found["β"] * net / (found["u1"] * d), rel=1e-9)
+        assert found["vRd,c"] == pytest.approx(max(120 * found["k"] * 15 ** (1 / 3), found["vmin"]), rel=1e-9)
+        assert found["vRd,max"] == pytest.approx(0.4 * found["ν"] * 3e4 / 1.5, rel=1e-9)
+        links = (found["vEd"] - 0.75 * found["vRd,c"]) * found["u1"] / (1.5 * found["fywd,ef"])
+        assert found["Asw/s"] == pytest.approx(links, rel=1e-9)
+        for kind in ("u1", "uout"):
+            drawn = sum(np.hypot(*np.diff(line, axis=0).T).sum() for line in one.lines[kind])
+            assert drawn == pytest.approx(found[kind], rel=2e-3)
+    assert [len(one.lines["dead"]) for one in of.punched] == [2, 0]
+    assert "<svg" in page.page(of.results, None, "")
 
 
 def test_many_combinations_are_folded_and_counted() -> None:
@@ -276,6 +298,21 @@ def test_the_command_writes_the_file_with_the_input(tmp_path: Path) -> None:
     written = (tmp_path / "slab.html").read_text("utf-8")
     assert "# a remark" in written
     assert Parsed(written).results["input"]["file"] == "slab.toml"
+
+
+def test_the_command_prints_checks_failed_ones_first_and_writes_a_spreadsheet(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    checks = [{"name": name, "of": "deflection", "limit": limit} for name, limit in (("wide", 9.0), ("tight", 1e-9))]
+    rows = [{"name": "down", "factors": {"G": 1}}, {"name": "up", "factors": {"G": -1}}]
+    file = tmp_path / "slab.toml"
+    file.write_text(slab(check=checks, combination=rows, mesh={"divisions": [6, 4]}).to_toml(), "utf-8")
+    ended = CliRunner().invoke(app, ["report", str(file), "--xlsx", "--no-error"])
+    assert ended.exit_code == 3, ended.output
+    said = ended.stdout
+    assert said.index("tight") < said.index("wide") and "Failed checks: tight." in said
+    values = Parsed((tmp_path / "slab.html").read_text("utf-8")).results["checks"]
+    assert {one["name"] for one in read(tmp_path / "slab.xlsx")["Checks"]} == {one["name"] for one in values}
 
 
 class Opened:

@@ -17,8 +17,8 @@ _STYLES = {True: "green", False: "bold red", None: "yellow"}
 
 
 def print_checks(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print every check with value, limit, utilisation, ±, governing combination, place and verdict."""
-    checks = check_results(results, estimates)
+    """Print every check, failed ones first: value, limit, utilisation, ±, governing combination, place and verdict."""
+    checks = sorted(check_results(results, estimates), key=lambda one: one.passed is not False)
     columns = [Column("check"), Column("of", spare=True), *numbers("value", "limit", "utilisation")]
     shown = Grid([*columns, Column("governing", coded=labels.numbered), Column("at", spare=True), Column("verdict")])
     for one in checks:

@@ -7,13 +7,13 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -25,6 +25,9 @@ from signorini.cli.grid import say
 from signorini.cli.streams import progress_line, visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini_command import ASKED
+
+if TYPE_CHECKING:
+    from signorini.analysis.estimate import Estimates
 
 _MAX_REASONS = 20
 """Largest number of combinations without equilibrium for which the reason is printed."""
@@ -128,7 +131,6 @@ def solve(
 
     without_artist = pictures == "none" or threads == 1 or cores() == 1
     with _messages(file), nullcontext() if without_artist else Artist() as artist:
-        from signorini.analysis.estimate import estimates_of
         from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
@@ -143,8 +145,7 @@ def solve(
             with room_for(directory, model) as temporary, progress_line() as show:
                 table = temporary / TABLE if model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results = signorini.solve(model, progress=show, table=table)
-                    estimates = estimates_of(results, show, table) if model.estimated else None
+                    results, estimates = _solved(model, show, table)
                 show("writing the results")
                 write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
         except SignoriniError:
@@ -314,23 +315,26 @@ def report(
         typer.Option("-o", "--output", metavar="PAGE", help="The report, HTML. [default: FILE.html]"),
     ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print a PDF, too, through an installed Chromium.")] = False,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write a spreadsheet beside the report.")] = False,
     no_error: NoError = False,
 ) -> None:
     """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
 
-    The table [report] of the input gives the title block and the language.
+    Print the checks and the warnings. The table [report] of the input gives the title block and the language.
     """
     with _messages(file):
-        from signorini.analysis.estimate import estimates_of
+        from signorini.cli.tables import print_verdicts
         from signorini.reports.page import write_report
 
+        if xlsx:
+            package("xlsxwriter")
         model = _loaded(file, no_error)
         with progress_line() as show:
-            results = signorini.solve(model, progress=show)
-            estimates = estimates_of(results, show) if model.estimated else None
+            results, estimates = _solved(model, show)
             show("writing the report")
             target = output if output is not None else file.with_suffix(".html")
-            written = write_report(results, target, estimates, file.read_text("utf-8"), pdf=pdf)
+            written = write_report(results, target, estimates, file.read_text("utf-8"), pdf=pdf, xlsx=xlsx)
+        print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
         _refuse(results.unbalanced, results.unbalanced_count)
 
@@ -343,6 +347,16 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
     if model.mesh.accuracy is not None:
         raise InputError("mesh.accuracy needs ±. Remove --no-error or mesh.accuracy.", place="no_error")
     return model.model_copy(update={"mesh": model.mesh.model_copy(update={"error": False})})
+
+
+def _solved(
+    model: signorini.Model, show: Callable[[object], None], table: Path | None = None
+) -> tuple[signorini.Results, Estimates | None]:
+    """Solve a model and, unless ``mesh.error`` is false, estimate its mesh errors."""
+    from signorini.analysis.estimate import estimates_of
+
+    results = signorini.solve(model, progress=show, table=table)
+    return results, estimates_of(results, show, table) if model.estimated else None
 
 
 def _numbers(text: str) -> list[float]:

@@ -78,19 +78,27 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
+    print_verdicts(console, results, estimates, labels)
+    _print_legend(console, discretisation.model.support)
+
+
+def print_verdicts(
+    console: Console, results: Results, estimates: Estimates | None, labels: Labels | None = None
+) -> None:
+    """Print the checks, the warnings and the singularities, and last the numbers of combinations with their names."""
+    labels = labels or Labels(results)
     print_checks(console, results, estimates, labels)
     _print_refinement(console, results)
     told = warnings_of(results, estimates)
     _print_warnings(console, {sentence: [labels.code(name) for name in names] for sentence, names in told.items()})
     singular = [singularity for result in results.full.values() for singularity in result.singular]
     if results.model.tabulated:
-        singular = [*singularities(discretisation, results.model.effective_combinations.cases)]
+        singular = [*singularities(results.discretisation, results.model.effective_combinations.cases)]
     _print_singular(console, singular, results.model, f" All in {JSON}.")
     for line in labels.listed():
         say(console, line)
     if labels.named:
         console.print()
-    _print_legend(console, discretisation.model.support)
 
 
 def _print_refinement(console: Console, results: Results) -> None:

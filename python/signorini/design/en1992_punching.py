@@ -133,7 +133,7 @@ class Punching:
         """
         if self.given is not None:
             return np.full(force.shape, self.given)
-        of = self._shapes
+        of = self.shapes
         eccentric = moment[:, None] / np.where(force != 0.0, force, np.inf)
         across, along = np.abs((eccentric * of.axis.conj()).real), np.abs((eccentric * of.axis.conj()).imag)
         both = of.across * across, of.along * along
@@ -144,7 +144,7 @@ class Punching:
         return np.where((of.normals != 0.0).any(axis=-1), at_edge, result)
 
     @cached_property
-    def _shapes(self) -> _Shapes:
+    def shapes(self) -> _Shapes:
         """Shape of every perimeter."""
         column, every = self.plan.column, []
         for found in self.perimeters:
@@ -179,7 +179,7 @@ class Punching:
         reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
-        of, net, most = self._shapes, force[:, None] - inside, largest_resistance(self.fck)
+        of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)
         beta = self.beta(net, moment)
         stress, resistance = beta * np.abs(net) / (of.length * self.depth), own * 2.0 * self.depth / of.distance
         rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)

@@ -284,12 +284,12 @@ class Plan:
     def _unshaded(self, pieces: Pieces) -> Pieces:
         """Parts outside the sectors between tangents from the column's centre to openings."""
         for opening in self.openings:
-            pieces = pieces.outside(self.column.centre, *self._sector(opening))
+            pieces = pieces.outside(self.column.centre, *self.sector(opening))
         if not pieces.length > 0.0:
             raise InputError("Openings around the column leave no control perimeter. Move the column or the openings.")
         return pieces
 
-    def _sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
+    def sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
         """Directions of the two tangents to an opening."""
         corners = shapely.get_coordinates(opening.convex_hull)[:-1] @ [1.0, 1j] - self.column.centre
         middle = complex(opening.centroid.x, opening.centroid.y) - self.column.centre

@@ -11,6 +11,7 @@ from importlib import resources
 from typing import Any, ClassVar, Literal
 
 from signorini.base.numbers import estimated, in_unit, number
+from signorini.discretise.rows import Floats
 from signorini.model import Units
 from signorini.results.quantities import KINDS, Quantity
 
@@ -37,11 +38,12 @@ class Table:
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[Cell]]
+    open: bool = False
 
     @property
     def folded(self) -> bool:
-        """Whether the table has so many rows that it is folded."""
-        return len(self.rows) > _FOLDED
+        """Whether the table has so many rows that it is folded, unless it is ``open``."""
+        return len(self.rows) > _FOLDED and not self.open
 
     @property
     def numbers(self) -> Sequence[bool]:
@@ -73,6 +75,33 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Label:
+    """A text in a drawing at a place, of a kind that the style sheet knows."""
+
+    x: float
+    y: float
+    words: str
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawing as SVG with a caption: size, paths with their kinds, labels; a diagram has ``data`` for the pointer."""
+
+    block: ClassVar[str] = "drawing"
+    words: str
+    size: tuple[float, float]
+    paths: Sequence[tuple[str, str]]
+    labels: Sequence[Label]
+    data: str = ""
+
+    @property
+    def kind(self) -> str:
+        """Class of the element."""
+        return "diagram" if self.data else "perimeters"
+
+
+@dataclass(frozen=True)
 class Map:
     """An interactive map, as markup."""
 
@@ -80,7 +109,7 @@ class Map:
     markup: str
 
 
-Block = Table | Text | Picture | Map
+Block = Table | Text | Picture | Drawing | Map
 
 
 @dataclass(frozen=True)
@@ -89,6 +118,11 @@ class Section:
 
     key: str
     blocks: Sequence[Block]
+
+
+def svg_path(points: Floats) -> str:
+    """Path data of a line through points (k, 2) in CSS pixels."""
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist())
 
 
 def data_uri(content: bytes, kind: str) -> str:

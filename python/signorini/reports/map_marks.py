@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.plot.picture import LoadMark, SupportMark
 from signorini.reports.blobs import rounded
+from signorini.reports.punching import KINDS_OF_LINES, Punched
 from signorini.results.contact_field.lines import thinned
 from signorini.results.marks import cut_marks, load_marks, support_mark, support_marks, unsolved_marks, zone_marks
 from signorini.results.result import Result
@@ -22,8 +23,8 @@ _DIGITS = 5
 """Number of digits of the coordinates of lines."""
 
 
-def plate_marks(plate: Discretisation) -> dict[str, Any]:
-    """Marks of one plate that no load changes."""
+def plate_marks(plate: Discretisation, columns: Iterable[Punched]) -> dict[str, Any]:
+    """Marks of one plate that no load changes, and perimeters of its punched columns, which are among ``columns``."""
     model, cuts, exact = plate.model, cut_marks(plate.model), plate.mesh.size * EXACT
     supports, loads = [], []
     for asked, one in zip(model.support, unsolved_marks(plate), strict=False):
@@ -35,6 +36,8 @@ def plate_marks(plate: Discretisation) -> dict[str, Any]:
     for load in load_marks(plate):
         look = {"style": load.style, "upward": load.upward, "lines": _drawn(load, exact)}
         loads.append({"case": load.case, "words": load.label, "prints": lines_of(load.footprints, exact=exact)} | look)
+    names = [one.column.subject for one in plate.columns.columns]
+    own = [one for one in columns if one.of.column.column.subject in names]
     return {
         "supports": supports,
         "loads": loads,
@@ -46,6 +49,10 @@ def plate_marks(plate: Discretisation) -> dict[str, Any]:
             if one.borders is not None
         ],
         "profiles": [{"name": one.name, "line": lines_of(one.places[1], exact=exact)} for one in model.profile],
+        "punching": {
+            kind: lines_of(*(line for one in own for line in one.lines[kind]), exact=exact)
+            for kind in (KINDS_OF_LINES if own else ())
+        },
         "probes": rounded([list(at) for probe in model.probe for at in probe.at]),
     }
 

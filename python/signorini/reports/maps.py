@@ -23,6 +23,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
+from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
 from signorini.results.load_path import LoadPath
@@ -171,6 +172,7 @@ def map_data(
     *,
     fields: Sequence[str] = tuple(PICTURED),
     budget: int = BUDGET,
+    columns: Sequence[Punched] = (),
 ) -> MapData:
     """Collect the data of a viewer: geometry, marks, and fields of combinations and envelopes or of a path's stops.
 
@@ -186,6 +188,8 @@ def map_data(
         Names in `PICTURED`, most important first.
     budget : int
         Largest size of the arrays in the page [bytes].
+    columns : sequence of Punched
+        Punched columns whose perimeters are drawn.
 
     Raises
     ------
@@ -197,7 +201,7 @@ def map_data(
     if not states:
         raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
     units = whole.model.units
-    plates = [_Plate.of(plate, blobs) for plate in whole.discretisation.members]
+    plates = [_Plate.of(plate, blobs, columns) for plate in whole.discretisation.members]
     asked = sorted(
         (4 * (state.rank > 1) + 2 * (name not in MAIN) + state.rank % 2, order, row, plate)
         for row, state in enumerate(states)
@@ -302,7 +306,7 @@ class _Plate:
     header: dict[str, Any]
 
     @classmethod
-    def of(cls, plate: OfWhole, blobs: Blobs) -> Self:
+    def of(cls, plate: OfWhole, blobs: Blobs, columns: Sequence[Punched]) -> Self:
         """Store the geometry of a plate."""
         nodes = plate.own.stress_nodes
         grid, low, size = Grid(nodes), nodes.points.min(axis=0), float(np.ptp(nodes.points, axis=0).max())
@@ -317,7 +321,7 @@ class _Plate:
             "wide": nodes.count > 65_535,
             "index": blobs.add(grid.elements(), nodes.count > 65_535),
             "xy": [blobs.add(grid.at_nodes(codes[:, axis])) for axis in range(2)],
-            "marks": plate_marks(plate.own),
+            "marks": plate_marks(plate.own, columns),
             "areas": {},
             "discs": [],
         }

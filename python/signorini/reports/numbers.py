@@ -13,7 +13,8 @@ from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
 from signorini.reports.maps import MapData, map_data, map_html
-from signorini.reports.sections import Contents, value_of
+from signorini.reports.punching import figure, sheet
+from signorini.reports.sections import Contents
 from signorini.results.quantities import (
     AT_PROBES,
     MEANS,
@@ -68,22 +69,11 @@ def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, A
         numbers = (one[key] for key in ("value", "limit", "utilisation", "plus_minus", "governing"))
         place, verdict = one["place"], of.write(VERDICTS[one["verdict"]])
         yield one["name"], one["of"], *numbers, place, verdict
-    for name, one, width, by in _columns(of):
-        value, limit, used = one["v_ed"], one["v_rd_c"], one["utilisation"]
-        told = _width(width, "utilisation")
+    for one in of.punched:
+        used, told = one.utilisation
+        name, values = f"{of.write('punching')} {one.of.name}", (one.of.numbers[key] for key in ("v_ed", "v_rd_c"))
         _, verdict = verdict_on(of, used, told)
-        yield f"{of.write('punching')} {name}", "v_ed", value, limit, used, told, by, one["at"], verdict
-
-
-def _columns(of: Contents) -> Iterator[tuple[str, Mapping[str, Any], Any, str]]:
-    """Yield each punched column: name, its numbers in the combination with the largest utilisation, half-widths."""
-    governing: dict[str, tuple[Mapping[str, Any], Any, str]] = {}
-    for one in solved(of.values):
-        for index, column in enumerate(one.get("punching") or ()):
-            known = governing.get(column["name"])
-            if known is None or column["utilisation"] > known[0]["utilisation"]:
-                governing[column["name"]] = (column, found(one["plus_minus"], "punching", index), one["name"])
-    yield from ((name, *own) for name, own in governing.items())
+        yield name, "v_ed", *values, used, told, one.combination, list(one.of.at), verdict
 
 
 VERDICTS = {
@@ -270,7 +260,7 @@ def reactions(of: Contents) -> Iterator[Block]:
 def fields(of: Contents) -> Iterator[Block]:
     """Yield maps or pictures of fields, and a table of their extremes."""
     if any(True for _ in solved(of.values)):
-        yield _map(of, map_data(of.results, of.estimates), "map")
+        yield _map(of, map_data(of.results, of.estimates, columns=of.punched), "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
     yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
@@ -345,56 +335,17 @@ def load_path(of: Contents) -> Iterator[Block]:
     yield Table(write("events"), ["t", write("support"), write("place"), write("event")], rows)
 
 
-_FORMULAS = {
-    "EN 1992-1-1:2004": {
-        "beta": "1 + Σ k · M/V · u1/W1; edge and corner columns by u1/u1* + …",
-        "v_ed": "β · |V − ΔV| / (u1 · d)",
-        "v_ed_face": "β · V / (u0 · d)",
-        "v_rd_c": "0.18/γc · k · (100 ρ fck)^⅓ ≥ 0.035 k^1.5 fck^½ in MPa; γc = 1.5; k = 1 + √(200 mm/d) ≤ 2; "
-        "ρ = √(ρx ρy) ≤ 0.02; on foundations times 2 d/a",
-        "v_rd_max": "0.4 · ν · fck/γc; ν = 0.6 (1 − fck/250 MPa)",
-        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef); fywd,ef = 250 + 0.25 d ≤ fyk/1.15 in MPa and mm",
-        "uout": "β · |V − ΔV| / (vRd,c · d)",
-        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
-    },
-    "ACI 318-19": {
-        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
-        "v_rd_c": "φ vc, φ = 0.75",
-        "v_rd_max": "φ 0.5 √f'c",
-        "utilisation": "vu / (φ vc)",
-    },
-}
-"""Formulas of the numbers of punching by code."""
-_GIVEN = ("column", "diameter", "d", "rho", "fck", "fyk")
-
-
 def punching(of: Contents) -> Iterator[Block]:
-    """Yield a sheet for each column: every number with its unit, formula and clause."""
-    write, units = of.write, of.results.model.units
-    given = {str(one.get("support", one.get("load"))): one for one in of.input.get("punching", ())}
-    for name, column, widths, by in _columns(of):
-        own = given.get(name.partition("[")[0], {})
-        yield Text(f"{name}, {write.place(column['at']).text}, {write('combination')} {of.code(by)}", "heading")
-        rows = [
-            [Cell(key), Cell(""), value_of(of, key, own[key]), Cell(""), Cell(write("input"))]
-            for key in _GIVEN
-            if key in own
-        ]
-        if isinstance(own.get("d"), list):
-            mean = write.number(sum(own["d"]) / 2)
-            rows.append([Cell("d"), Cell(write("mean_d")), mean, Cell(units.length), Cell("= (dx + dy)/2; Eq. (6.32)")])
-        formulas = _FORMULAS.get(column["code"], {})
-        for key, values in column.items():
-            pair = isinstance(values, list)
-            for part, value in zip(("_x", "_y"), values if pair else [values], strict=False):
-                if (quantity := of.quantities.get(("punching", key + part * pair))) is not None:
-                    cells = [Cell(quantity.name), Cell(write.translated(quantity.words))]
-                    cells += [write.number(value, _width(widths, *quantity.path)), Cell(quantity.unit(units))]
-                    why = [f"= {formulas[key]}" if key in formulas else "", column["clauses"].get(key, "")]
-                    rows.append([*cells, Cell("; ".join(filter(None, why)))])
-        used, width = column["utilisation"], _width(widths, "utilisation")
+    """Yield a sheet and a figure for each column in its governing combination."""
+    write = of.write
+    for one in of.punched:
+        column = one.of.column
+        place, name = write.place(one.of.at).text, f"{write('combination')} {of.code(one.combination)}"
+        yield Text(f"{one.of.name}, {place}, {name}", "heading")
+        yield figure(one, write)
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
-        yield Table(f"{write('punching')} {name}, {column['code']}", head, rows)
+        yield Table(f"{write('punching')} {one.of.name}, {column.code}", head, [*sheet(one, write)], open=True)
+        used, width = one.utilisation
         passed, verdict = verdict_on(of, used, width)
         words = f"{write('utilisation')} {write.number(used, width).text}: {verdict}"
         yield Text(words, "plain" if passed is None else "good" if passed else "bad")

@@ -20,8 +20,11 @@ from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing
+from signorini.base.packages import package
 from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
+from signorini.formats.xlsx import write_xlsx
+from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
 from signorini.reports import numbers, sections
 from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
@@ -66,6 +69,7 @@ def report(
     *,
     load_path: LoadPath | None = None,
     pdf: bool = False,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write a report: one HTML file with checks, results, maps, and the input.
 
@@ -84,6 +88,8 @@ def report(
         A load path of the same model, which the report also shows.
     pdf : bool
         Whether an installed Chromium or Chrome also prints the report to a PDF file beside it.
+    xlsx : bool
+        Whether a spreadsheet beside it has the results, too; XlsxWriter must be installed.
 
     Returns
     -------
@@ -117,7 +123,7 @@ def report(
         source = original.to_toml()
     except InputError:  # TOML has no functions
         source = json.dumps(json.loads(original.provenance.text), indent=1, ensure_ascii=False)
-    return write_report(results, path, estimate, source, load_path, pdf)
+    return write_report(results, path, estimate, source, load_path, pdf, xlsx)
 
 
 def write_report(
@@ -127,16 +133,23 @@ def write_report(
     source: str,
     load_path: LoadPath | None = None,
     pdf: bool = False,
+    xlsx: bool = False,
 ) -> list[Path]:
     """Write a report as `report` does; ``source`` is the text of the input file."""
     target, browser = Path(path), _browser() if pdf else ""
+    sheets = [target.with_suffix(".xlsx")] if xlsx and package("xlsxwriter") else []
     text = page(results, estimates, source, load_path)
     try:
         with replacing(target) as temporary:
             temporary.write_text(text, encoding="utf-8")
+        for file in sheets:
+            with replacing(file) as temporary:
+                write_xlsx(
+                    temporary, sheets_of(results_json(results, estimates), results), results.model.provenance.metadata
+                )
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}.", place="output") from None
-    return [target, _printed(target, browser)] if pdf else [target]
+    return [target, *([_printed(target, browser)] if pdf else []), *sheets]
 
 
 def page(results: Results, estimates: Estimates | None, source: str, load_path: LoadPath | None = None) -> str:

@@ -15,6 +15,7 @@ from signorini.base.numbers import in_unit, number
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
+from signorini.reports.punching import Punched, punched
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import PICTURED, Quantity
 
@@ -54,6 +55,11 @@ class Contents:
         """Quantities of the results by the kind of their owner and their name."""
         every = (number for one in self.results.full.values() for number in one.catalogue.numbers)
         return {(number.home, number.what): number.quantity for number in every}
+
+    @cached_property
+    def punched(self) -> Sequence[Punched]:
+        """Punched columns in their governing combinations."""
+        return punched(self.results, self.estimates)
 
     def unit_of(self, checked: str) -> str:
         """Unit of the number or field that a check names, such as "soil.max_pressure"."""

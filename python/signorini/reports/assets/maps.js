@@ -6,6 +6,8 @@
   const CASES = ["#0b5d8f", "#b4451f", "#5b3f9e", "#2c7a3f", "#8a6d00", "#a02860"];
   const LINES = { c: { width: 4, halo: 1.5 }, o: { colour: PALE, width: 1.4, dash: [3, 4], halo: 2.5 }, y: { colour: YIELDS, width: 4, halo: 1.5 } };
   const DISC = { colour: PALE, width: 0.8, dash: [2, 2] }, JUMP = { colour: INK, width: 0.8, dash: [5, 4] };
+  const PERIMETERS = { u0: { width: 1.6, halo: 1.5 }, dead: { colour: PALE, width: 0.8, dash: [3, 3], halo: 1.5 },
+    u1: { colour: "#1f5fa8", width: 1.8, halo: 2 }, uout: { colour: "#a3160f", width: 1.6, dash: [7, 4], halo: 2 } };
   const AREA = { colour: PALE, width: 1, dash: [10, 3, 2, 3] };
   const FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
   const MISSING = 65535, WANTED = 12000, SNAP = 7, PAPER = 680;
@@ -920,6 +922,8 @@
         labels.add(minus(text), ...at, { bold: true, must: true });
       }
       if (about) for (const [x, y, r] of plate.discs[about.discs]) this.path(pen, this.projected(ring(x, y, r).flat()), DISC);
+      for (const [kind, lines] of Object.entries(shown.supports ? marks.punching : {}))
+        for (const one of lines) this.path(pen, this.projected(one), PERIMETERS[kind]);
       if (shown.loads) this.drawLoads(pen, marks.loads);
       if (shown.cuts) this.drawCuts(pen, marks, labels);
       if (shown.supports) marks.supports.forEach((one, i) => this.drawSupport(pen, one, own.supports && own.supports[i], labels));
@@ -1041,6 +1045,8 @@
         if (found) item(found[0].style === "points" ? (pen) => symbol(pen, [15, 10], found[0].kind, is)
           : line(LINES[is]), text);
       }
+      for (const kind of ["u1", "uout"])
+        if (shown.supports && marks.punching[kind]?.length) item(line(PERIMETERS[kind]), texts[kind]);
       const bounded = this.layers.some((one) => one.bounds[0] > -1e38 || one.bounds[1] < 1e38);
       if (bounded) item((pen) => hatched(pen, "#f7f7f7", "#ccc"), texts.gap);
       if (this.layers.some((one) => one.yields < 1e38)) item((pen) => hatched(pen, "#25437f", "#92a1bf"), texts.limit);

@@ -1,0 +1,239 @@
+"""Punching in a report: columns in their governing combinations, sheets of numbers, figures of perimeters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from signorini.analysis.estimate import Estimates
+from signorini.analysis.results import Results
+from signorini.design import aci318, en1992_punching
+from signorini.discretise.rows import Floats
+from signorini.errors import InputError
+from signorini.reports.blocks import Cell, Drawing, Label, Writer, svg_path
+from signorini.results.envelope import NONE
+from signorini.results.punching import ColumnResult
+from signorini.results.quantities import OF_COLUMNS
+
+_FORMULAS = {
+    "EN 1992-1-1:2004": {
+        "beta": "given, or 1 + Σ k u1/W1 · e, e = M/|V − ΔV|; inward of an edge u1/u1* + k* u1/W1,2 · e2",
+        "v_ed": "β · |V − ΔV| / (u1 · d)",
+        "v_ed_face": "β · V / (u0 · d)",
+        "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
+        "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
+        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) where vEd > vRd,c, else 0",
+        "uout": "vEd · u1 / vRd,c",
+        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
+    },
+    "ACI 318-19": {
+        "beta": "vu / mean, mean = |V − ΔV| / (bo d)",
+        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc, or β given · |V − ΔV| / (bo d)",
+        "v_ed_face": "V / (u0 · d)",
+        "v_rd_c": "φ · min(0.33, 0.17 (1 + 2/βc), 0.083 (2 + αs d/bo)) · λs √f'c in MPa",
+        "v_rd_max": "φ 0.5 √f'c",
+        "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) where vu > φ vc, else 0; fyt ≤ 420 MPa",
+        "uout": "vu · bo / (φ 0.17 λs √f'c)",
+        "utilisation": "vu / (φ vc)",
+    },
+}
+"""Formulas of the numbers of punching by code."""
+KINDS_OF_LINES = ("u0", "dead", "u1", "uout")
+"""Kinds of lines of a column: its outline, bounds of sectors behind openings, control perimeter, outer perimeter."""
+_SYMBOLS = {
+    **{"force": "V", "inside": "ΔV", "moment_x": "Mx", "moment_y": "My", "beta": "β", "v_ed": "vEd"},
+    **{"v_ed_face": "vEd,0", "v_rd_c": "vRd,c", "v_rd_max": "vRd,max", "asw": "Asw/s"},
+}
+_SYMBOLS_ACI = {"u1": "bo", "v_ed": "vu", "v_ed_face": "vu,0", "v_rd_c": "φ vc", "v_rd_max": "vu,max"}
+"""Symbols in formulas of numbers whose name differs; those of ACI 318."""
+_POWERS = {1: "", 2: "²", 4: "⁴"}
+_DIVISIONS = 20
+_STEP = 1.2
+"""Number of bisections for the distance of the outer perimeter, and ratio of the distances tried before."""
+_SIZE, _MARGIN = 430.0, 1.12
+"""Size of a figure in CSS pixels, and its width relative to that of the outermost perimeter."""
+
+
+@dataclass(frozen=True, eq=False)
+class Punched:
+    """A column in the combination with its largest utilisation; ``widths`` by name, None without half-widths."""
+
+    of: ColumnResult
+    combination: str
+    widths: Mapping[str, float | None] | None
+
+    @property
+    def utilisation(self) -> tuple[float, Any]:
+        """Utilisation with its half-width: None if unknown, ``...`` without half-widths."""
+        return self.of.numbers["utilisation"], ... if self.widths is None else self.widths["utilisation"]
+
+    @property
+    def at(self) -> int:
+        """Index of the control perimeter that governs."""
+        own = np.array([found.pieces.length for found in self.of.column.check.perimeters])
+        return int(np.abs(own - self.of.numbers["u1"] * self.of.column.length).argmin())
+
+    @cached_property
+    def outer(self) -> list[Floats]:
+        """Points (k, 2) along the parts of the outer perimeter; none unless shear reinforcement is required."""
+        plan, wanted = self.of.column.check.plan, self.of.numbers["uout"] * self.of.column.length
+        low = high = self.of.column.check.basic.distance
+        if not self.of.numbers["asw"] > 0.0:
+            return []
+        try:
+            while plan.perimeter(high).pieces.length < wanted:
+                low, high = high, _STEP * high
+            for _ in range(_DIVISIONS):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if plan.perimeter(middle).pieces.length < wanted else (low, middle)
+        except InputError:  # the perimeter is beyond the slab
+            return []
+        return self.of.column.drawn(plan.perimeter(high).pieces)
+
+    @cached_property
+    def lines(self) -> Mapping[str, list[Floats]]:
+        """Points (k, 2) along lines of each kind in `KINDS_OF_LINES`."""
+        face = self.of.column.drawn(self.of.column.check.plan.column.offset(0.0))
+        return dict(zip(KINDS_OF_LINES, (face, self._sectors, self.of.perimeter, self.outer), strict=True))
+
+    @property
+    def _sectors(self) -> list[Floats]:
+        """Lines (2, 2) from the column's centre that bound the sectors behind openings."""
+        plan, length = self.of.column.check.plan, self.of.column.length
+        points = np.concatenate([*self.of.perimeter, *self.outer]) @ [1.0, 1j] * length
+        reach, centre = float(np.abs(points - plan.column.centre).max()), plan.column.centre
+        rays = [ray for opening in plan.openings for ray in plan.sector(opening)]
+        ends = np.array([[centre, centre + reach * ray] for ray in rays]).reshape(-1, 2) / length
+        return [np.column_stack([line.real, line.imag]) for line in ends]
+
+
+def punched(results: Results, estimates: Estimates | None) -> list[Punched]:
+    """Columns of a model in their governing combinations, which are solved now if they are only rows of a table."""
+    layout, every = results.combined.layout, list[Punched]()
+    columns = [
+        [one for one in layout.catalogue if one.home == "punching" and one.owner == index]
+        for index in range(len(layout.model.columns))
+    ]
+    for index, numbers in enumerate(columns):
+        used = next(one for one in numbers if one.what == "utilisation")
+        if (row := results.envelope[used.column].max_by) == NONE:
+            continue
+        widths = None
+        if estimates is not None:
+            widths = {one.what: estimates.half_width(one.column, row) for one in numbers if one.tabled}
+        every.append(Punched(results[results.key(row)].punching[index], results.key(row), widths))
+    return every
+
+
+def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
+    """Yield the rows of a sheet: symbol, meaning, value with ±, unit, formula and clause of each number."""
+    column, check, units = one.of.column, one.of.column.check, write.units
+
+    def row(symbol: str, words: str, value: float, force: int, length: int, why: str) -> Sequence[Cell]:
+        unit = units.force_by_length(length) if force else units.length + _POWERS[length] if length else ""
+        own = write.number(value / (column.force**force * column.length**length))
+        return [Cell(symbol), Cell(write(words)), own, Cell(unit), Cell(why)]
+
+    given, eurocode = write("input"), isinstance(check, en1992_punching.Punching)
+    for symbol, axis in (("c1", check.plan.column.axis), ("c2", 1j * check.plan.column.axis)):
+        yield row(symbol, "column_side", check.plan.column.size(axis), 0, 1, _along(axis))
+    for symbol, d in zip(("dx", "dy"), check.d, strict=True):
+        yield row(symbol, "depth", d, 0, 1, given)
+    yield row("d", "mean_d", check.depth, 0, 1, "= (dx + dy)/2")
+    for symbol, rho in zip(("ρx", "ρy"), getattr(check, "rho", ()), strict=False):
+        yield row(symbol, "ratio", rho, 0, 0, given)
+    for symbol, strength in zip(("fck", "fyk") if eurocode else ("f'c", "fyt"), (check.fck, check.fyk), strict=True):
+        yield row(symbol, "strength", strength, 1, -2, given)
+    helping = [row(*each) for each in (_eurocode(one, check) if eurocode else _aci(check))]
+    for quantity in OF_COLUMNS:
+        if quantity.name == "beta":
+            yield from helping
+        width = ... if one.widths is None else one.widths.get(quantity.name, ...)
+        formula, clause = _FORMULAS[column.code].get(quantity.name), check.clauses.get(quantity.name)
+        why = "; ".join(filter(None, (formula and f"= {formula}", clause)))
+        value = write.number(one.of.numbers[quantity.name], width)
+        symbols = _SYMBOLS if eurocode else _SYMBOLS | _SYMBOLS_ACI
+        yield [
+            Cell(symbols.get(quantity.name, quantity.name)),
+            Cell(write.translated(quantity.words)),
+            value,
+            Cell(quantity.unit(units)),
+            Cell(why),
+        ]
+
+
+def _along(direction: complex) -> str:
+    return f"({direction.real:.4g}; {direction.imag:.4g})"
+
+
+_Help = Iterator[tuple[str, str, float, int, int, str]]
+"""Numbers that formulas use: symbol, key of the meaning, value in N and mm, exponents of force and length, clause."""
+
+
+def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
+    perimeter, of, column, depth = check.perimeters[one.at], check.shapes, check.plan.column, check.depth
+    net = abs(one.of.numbers["force"] - one.of.numbers["inside"]) or np.inf
+    moment = complex(*(one.of.numbers[f"moment_{axis}"] for axis in "xy")) * one.of.column.length / net
+    yield "a", "distance", perimeter.distance, 0, 1, "6.4.2(1); 6.4.4(2)"
+    if check.given is not None:
+        yield "β", "factor", check.given, 0, 0, "6.4.3(6)"
+    axis, uniform, beside = complex(of.axis[one.at]), float(of.uniform[one.at]), float(of.beside[one.at])
+    for number, direction in ((1, axis), (2, 1j * axis)) if check.given is None else ():
+        ratio, modulus = column.size(direction) / column.size(1j * direction), perimeter.pieces.modulus(direction)
+        yield f"e{number}", "eccentricity", abs((moment * direction.conjugate()).real), 0, 1, _along(direction)
+        yield f"k{number}", "moment_part", en1992_punching.moment_part(ratio), 0, 0, f"Table 6.1, c1/c2 = {ratio:.4g}"
+        yield f"W1,{number}", "modulus", modulus, 0, 2, "= ∫ |e| dl; Eq. (6.40)"
+        if of.normals[one.at].any() and number == 2:
+            yield "u1*", "reduced", perimeter.pieces.length / uniform, 0, 1, "Figure 6.20"
+        if beside and number == 2:
+            yield "k*", "moment_part", beside * modulus / perimeter.pieces.length, 0, 0, "Eq. (6.44), c1/(2 c2)"
+    k = min(1.0 + np.sqrt(200.0 / depth), 2.0)
+    yield "k", "size_factor", k, 0, 0, "= 1 + √(200 mm/d) ≤ 2; 6.4.4(1)"
+    yield "vmin", "least", 0.035 * k**1.5 * np.sqrt(check.fck), 1, -2, "= 0.035 k^1.5 √fck in MPa; Eq. (6.3N)"
+    yield "ν", "cracked", 0.6 * (1.0 - check.fck / 250.0), 0, 0, "= 0.6 (1 − fck/250 MPa); Eq. (6.6N)"
+    effective = min(250.0 + 0.25 * depth, check.fyk / en1992_punching.GAMMA_S)
+    yield "fywd,ef", "effective", effective, 1, -2, "= 250 + 0.25 d ≤ fyk/1.15 in MPa and mm; 6.4.5(1)"
+
+
+def _aci(check: aci318.Punching) -> _Help:
+    pieces, normals, column = check.basic.pieces, check.basic.normals, check.plan.column
+    axis = normals[0] if normals else column.axis
+    for number, direction in ((1, axis), (2, 1j * axis)) if check.given is None else ():
+        sides = [np.array([side, -side]) for side in (direction, 1j * direction)]
+        b1, b2 = (float(pieces.highest(side).sum()) for side in sides)
+        high, low = pieces.highest(sides[0]) + np.array([-1.0, 1.0]) * (pieces.centroid * np.conj(direction)).real
+        yield f"γv{number}", "shear_part", aci318.shear_part(b1, b2), 0, 0, f"8.4.4.2.2, {_along(direction)}"
+        yield f"c{number}", "outermost", max(high, low), 0, 1, "R8.4.4.2.3"
+        yield f"Jc{number}", "inertia", pieces.inertia(direction, check.depth), 0, 4, "R8.4.4.2.3"
+    if check.given is not None:
+        yield "β", "factor", check.given, 0, 0, ""
+    sides = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
+    yield "βc", "side_ratio", sides[1] / sides[0], 0, 0, "22.6.5.2"
+    yield "αs", "place_factor", {0: 40.0, 1: 30.0}.get(len(normals), 20.0), 0, 0, "22.6.5.3"
+    yield "λs", "size_factor", aci318.size_factor(check.depth), 0, 0, "= √(2/(1 + 0.004 d)) ≤ 1, d in mm; 22.5.5.1.3"
+    yield "φ", "safety", aci318.PHI, 0, 0, "Table 21.2.1"
+    yield "√f'c", "root", aci318.root_of(check.fck), 1, -2, "in MPa; 22.6.3.1"
+
+
+def figure(one: Punched, write: Writer) -> Drawing:
+    """Plan of a column: slab and openings, outline, control perimeter, outer perimeter, sectors behind openings."""
+    column = one.of.column
+    points = np.concatenate([line for lines in one.lines.values() for line in lines])
+    middle, size = 0.5 * (points.min(axis=0) + points.max(axis=0)), _MARGIN * float(np.ptp(points, axis=0).max())
+
+    def on(line: Floats) -> Floats:
+        return np.asarray((line - middle) * [1.0, -1.0] * (_SIZE / size) + 0.5 * _SIZE)
+
+    slab = column.check.plan.slab
+    rings = [np.asarray(ring.coords) / column.length for ring in (slab.exterior, *slab.interiors)]
+    paths = [("slab", "".join(svg_path(on(ring)) + "Z" for ring in rings))]
+    paths += [(kind, "".join(svg_path(on(line)) for line in lines)) for kind, lines in one.lines.items() if lines]
+    keys = ["u0", "u1", *(["uout"] if one.outer else [])]
+    lengths = [f"{key} = {write.number(one.of.numbers[key]).text} {write.units.length}" for key in keys]
+    pairs = enumerate(zip(keys, lengths, strict=True))
+    labels = [Label(8.0, _SIZE - 8.0 - 17.0 * (len(keys) - 1 - at), words, key) for at, (key, words) in pairs]
+    return Drawing(write("perimeters", name=one.of.name), (_SIZE, _SIZE), paths, labels)
