@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
@@ -44,6 +44,8 @@ _Bars = Literal["as_x_bottom", "as_y_bottom", "as_x_top", "as_y_top"]
 _Stresses = Literal[
     "sx_top", "sy_top", "txy_top", "sx_bottom", "sy_bottom", "txy_bottom", "von_mises", "txz", "tyz"
 ]  # fmt: skip
+OF_DESIGN: tuple[str, ...] = get_args(_Design) + get_args(_Bars)
+"""Fields that are enveloped by default with [reinforcement]."""
 EnvelopeField = Literal[_Forces, _Design, _Bars, _Stresses]
 ENVELOPED: tuple[EnvelopeField, ...] = ("deflection", "mx", "my", "mxy", "qx", "qy")
 
@@ -82,7 +84,8 @@ class Output(Table):
     )
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
-        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none.",
+        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none. "
+        "Default with [reinforcement]: also design moments and required areas.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:

@@ -35,7 +35,7 @@ from signorini.model.check import Check
 from signorini.model.combination import Choice, Combination, Combinations, Expanded, FrozenMapping, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
-from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, Strip
+from signorini.model.output import MAX_FULL_RESULTS, OF_DESIGN, Output, Profile, Section, Strip
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
@@ -396,6 +396,12 @@ class Model(Table):
         """Section of reinforced concrete, which the required reinforcement needs; None without [reinforcement]."""
         units, own = self.units, self.reinforcement
         return None if own is None else own.section(units.length, units.force)
+
+    @property
+    def enveloped(self) -> tuple[str, ...]:
+        """Names in ``output.envelope``; by default also design moments and areas of bars with [reinforcement]."""
+        asked: tuple[str, ...] = self.output.envelope
+        return asked if self.bars is None or "envelope" in self.output.model_fields_set else (*asked, *OF_DESIGN)
 
     @property
     def at_faces(self) -> bool:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from signorini.analysis.checks import judged
 from signorini.output.load_path import path_json
@@ -17,10 +17,12 @@ from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
 from signorini.results.quantities import (
     AT_PROBES,
+    DESIGN_MOMENTS,
     MEANS,
     OF_AREAS,
     OF_LINES,
     PICTURED,
+    REINFORCEMENT,
     SIDES,
     THROUGH,
     Quantity,
@@ -56,24 +58,50 @@ def extremes(of: Contents, name: str) -> Iterator[tuple[str, float, Any, str, An
         yield side, own[side], _width(one["plus_minus"], *path, side), one["name"], own[f"{side}_at"]
 
 
-def _limited(of: Contents, value: Any, limit: Any) -> list[Cell]:
-    """Cells of a value and of its limit, or of its two limits."""
-    ends = limit if isinstance(limit, list) else [limit]
-    texts = [of.write.number(end) for end in ends]
-    return [of.write.number(value), texts[0] if len(ends) == 1 else Cell(" … ".join(cell.text for cell in texts))]
+class _Check(NamedTuple):
+    """A check in the summary; half-widths are None if unknown, ``...`` if none were computed."""
+
+    name: str
+    of: str
+    value: float | None
+    value_width: Any
+    limit: float | None
+    used: float | None
+    width: Any
+    by: str | None
+    place: Any
+    passed: bool | None
+    verdict: str
 
 
-def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, Any, str]]:
-    """Yield each check: name, checked number, value, limit, utilisation, half-width, combination, place, verdict."""
+def _checks(of: Contents) -> list[_Check]:
+    """Checks and punched columns, the largest utilisation first."""
+    result = list[_Check]()
     for one in of.values.get("checks") or ():
-        numbers = (one[key] for key in ("value", "limit", "utilisation", "plus_minus", "governing"))
-        place, verdict = one["place"], of.write(VERDICTS[one["verdict"]])
-        yield one["name"], one["of"], *numbers, place, verdict
-    for one in of.punched:
-        used, told = one.utilisation
-        name, values = f"{of.write('punching')} {one.of.name}", (one.of.numbers[key] for key in ("v_ed", "v_rd_c"))
-        _, verdict = verdict_on(of, used, told)
-        yield name, "v_ed", *values, used, told, one.combination, list(one.of.at), verdict
+        width = ... if of.estimates is None else one["plus_minus"]
+        own = width if width in (None, ...) else abs(one["limit"]) * width
+        numbers = one["value"], own, one["limit"], one["utilisation"], width, one["governing"]
+        result.append(_Check(one["name"], one["of"], *numbers, one["place"], one["passed"], VERDICTS[one["verdict"]]))
+    for column in of.punched:
+        used, width = column.utilisation
+        own = ... if column.widths is None else column.widths["v_ed"]
+        value, limit = (column.of.numbers[key] for key in ("v_ed", "v_rd_c"))
+        passed, verdict = judged(used, None if width is ... else width, width is not ..., 0)
+        told = value, own, limit, used, width, column.combination, list(column.of.at), passed, VERDICTS[verdict]
+        result.append(_Check(f"{of.write('punching')} {column.of.name}", "v_ed", *told))
+    return sorted(result, key=lambda check: -(math.inf if check.used is None else check.used))
+
+
+def _verdicts(of: Contents, checks: Sequence[_Check]) -> Iterator[Block]:
+    """Yield how many checks passed, the names of those that failed, and what to do where ± is unknown."""
+    write, failed = of.write, [one.name for one in checks if one.passed is False]
+    undecided = [one for one in checks if one.passed is None]
+    counts = {"passed": len(checks) - len(failed) - len(undecided), "failed": len(failed), "open": len(undecided)}
+    names = f" ({', '.join(failed)})" if failed else ""
+    words = write("verdicts", all=len(checks), names=names, **counts)
+    yield Text(words, "bad" if failed else "warning" if undecided else "good")
+    if unknown := ", ".join(one.name for one in undecided if one.verdict == "width_unknown"):
+        yield Text(write("unknown_widths", names=unknown), "warning")
 
 
 VERDICTS = {
@@ -97,8 +125,10 @@ def verdict_on(of: Contents, used: float, width: Any) -> tuple[bool | None, str]
 
 
 def summary(of: Contents) -> Iterator[Block]:
-    """Yield the verdict on equilibrium and certificates, all checks, and the extreme results."""
-    write, values = of.write, of.values
+    """Yield the verdict on all checks, the verdict on equilibrium and certificates, and the table of checks."""
+    write, values, checks = of.write, of.values, _checks(of)
+    if checks:
+        yield from _verdicts(of, checks)
     table = values.get("table") or {}
     count = table.get("solved", sum(1 for _ in solved(values)))
     failed = len(of.results) - count
@@ -108,27 +138,21 @@ def summary(of: Contents) -> Iterator[Block]:
         yield Text(write("unbalanced", count=failed), "bad")
         for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
             yield Text(f"{of.code(name)}: {message}", "bad")
-    rows = [
-        [
-            Cell(name),
-            *_limited(of, value, limit),
-            Cell(of.unit_of(checked)),
-            write.number(used, width),
-            Cell(of.code(by) if by else ""),
-            write.place(place),
-            Cell(verdict),
-        ]
-        for name, checked, value, limit, used, width, by, place, verdict in sorted(
-            _checks(of), key=lambda check: -(math.inf if check[4] is None else check[4])
-        )
-    ]
+    rows = []
+    for one in checks:
+        quantity = of.checked(one.of) or Quantity("", "part")
+        value, limit = write.value(quantity, one.value, one.value_width), write.value(quantity, one.limit)
+        cells = [Cell(one.name), value, limit, Cell(write.unit_of(quantity)), write.number(one.used, one.width)]
+        governing = [Cell(of.code(one.by) if one.by else ""), write.place(one.place)]
+        rows.append([*cells, *governing, Cell(write(one.verdict))])
     head = ("check", "value", "limit", "unit", "utilisation", "governing", "place", "verdict")
     yield Table(write("checks"), [write(key) for key in head], rows) if rows else Text(write("no_checks"))
-    yield Table(
-        write("extremes"),
-        [write("quantity"), *(write(key) for key in ("value", "governing", "place"))],
-        [*_field_rows(of, ["deflection"]), *_reaction_rows(of)],
-    )
+
+
+def extreme_results(of: Contents) -> Iterator[Block]:
+    """Yield the extreme deflections, reactions and pressures."""
+    head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
+    yield Table(of.write("extremes"), head, [*_field_rows(of, ["deflection"]), *_reaction_rows(of)])
 
 
 def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
@@ -136,9 +160,12 @@ def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
     for name in names:
         ends = list(extremes(of, name))
         size = max((abs(end[1]) for end in ends), default=0.0)
+        governing = "min" if DESIGN_MOMENTS.get(name, 1.0) < 0.0 else "max"
         for side, value, width, by, at in ends:
+            if side != governing and (name in DESIGN_MOMENTS or name in REINFORCEMENT):
+                continue  # it is 0
             words = f"{write.label(PICTURED[name])}, {write(side)}"
-            yield [Cell(words), write.number(value, width, size), Cell(of.code(by)), write.place(at)]
+            yield [Cell(words), write.value(PICTURED[name], value, width, size), Cell(of.code(by)), write.place(at)]
 
 
 def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
@@ -271,7 +298,7 @@ def fields(of: Contents) -> Iterator[Block]:
                 value, width = found(probe, *quantity.path), _width(one["plus_minus"], "probes", number, *quantity.path)
                 if value is not None:
                     cells = [Cell(of.code(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
-                    rows.append([*cells, Cell(of.write.label(quantity)), of.write.number(value, width)])
+                    rows.append([*cells, Cell(of.write.label(quantity)), of.write.value(quantity, value, width)])
     head = [of.write(key) for key in ("combination", "probe", "place", "quantity", "value")]
     yield Table(of.write("probes"), head, rows)
 
@@ -295,7 +322,8 @@ def cuts(of: Contents) -> Iterator[Block]:
         for index, strip in enumerate(one["strips"]):
             for number, station in enumerate(strip["stations"]):
                 keys = ("strips", index, "stations", number)
-                cells = (write.number(found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
+                values = ((each, found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
+                cells = (write.value(*one) for one in values)
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):

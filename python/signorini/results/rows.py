@@ -152,8 +152,8 @@ class Layout:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``."""
-        asked: Sequence[str] = discretisation.model.output.envelope
+        """Lay out the rows of a model; extremes are those of checked and of enveloped fields."""
+        asked = discretisation.model.enveloped
         fields = tuple(name for name in FIELDS if name in (*asked, *checked_fields(discretisation.model)))
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]

@@ -163,13 +163,13 @@ class ResultState(Remade):
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
         else:
-            moment = self._moment_at_faces if name in OF_BARS else self.moment
+            moment = self.moment_for_bars if name in OF_BARS else self.moment
             field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
 
     @cached_property
-    def _moment_at_faces(self) -> Floats:
+    def moment_for_bars(self) -> Floats:
         """Moments (s, 3) for the design of bars, see `Reinforcement.face`."""
         if not self.model.at_faces or self.means is None:
             return self.moment
