@@ -17,12 +17,14 @@ from signorini.model.punching import ACI_318, EN_1992
 from signorini.reports.blocks import Block, Cell, Table, Text, solved
 from signorini.reports.numbers import extremes
 from signorini.reports.sections import Contents, codes_of
-from signorini.results.quantities import REINFORCEMENT
+from signorini.results.envelope import NONE
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, on_plate
 from signorini.results.result import Result
 from signorini.singularities.singularity import away_from
 
 _EQUAL = 1e-9
 """Largest difference of equal areas, relative to them."""
+_GAMMAS = {"permanent": "γG", "variable": "γQ", "preload": "γP", "accidental": "γA"}
 _EVER_PRESENT = ("D", "Ev", "P")
 """Symbols of ASCE 7 that are no variable loads."""
 
@@ -90,11 +92,10 @@ def factors(of: Contents) -> Iterator[Block]:
                 cells = Cell(one.name or rule), Cell(f"{rule} {label}"), Cell(text), Cell(asce7.section(rule, text))
                 symbols.append(cells)
     head = [write(key) for key in ("part", "rule", "sum_of_actions")]
-    shown = [*head, "γG", "γQ", "γP", "γA", "ξ", write("only_clause"), write("source")]
-    yield Table(write("rules"), shown, rules)
-    yield Table(write("rules") + ", ASCE 7", [*head, write("only_clause")], symbols)
+    yield Table(write("rules"), [*head, write("factors"), write("only_clause"), write("source")], rules)
+    yield Table(write("rules_asce"), [*head, write("only_clause")], symbols)
     if tables:
-        yield from _actions(of, model.cases)
+        yield from _actions(of, model.cases, {str(one.generate) for one in tables})
         yield from _patterns(of, model.cases, {str(one.generate) for one in tables})
     for one in model.combination:
         if one.generate == "patterns":
@@ -107,15 +108,15 @@ def _en1990(of: Contents, table: Combination, rule: str) -> Iterator[Cell]:
     given = table.gamma.values if table.gamma is not None else {}
     gamma = {**en1990.GAMMA[rule], **given}
     yield Cell(expression)
-    for kind in ("permanent", "variable", "preload", "accidental"):
-        yield Cell(" / ".join(f"{value:g}" for value in gamma.get(kind, ())))
-    yield Cell(f"{table.xi or en1990.XI:g}" if rule == "6.10ab" else "")
+    used = {symbol: gamma[kind] for kind, symbol in _GAMMAS.items() if kind in gamma}
+    used |= {"ξ": (table.xi or en1990.XI,)} if rule == "6.10ab" else {}
+    yield Cell("; ".join(f"{key} = {' / '.join(f'{value:g}' for value in values)}" for key, values in used.items()))
     yield Cell(clause)
     keys = [f"gamma.{kind}" for kind in given] + [key for key in ("xi", "accidental_leading") if getattr(table, key)]
     yield Cell(f"{of.write('given')}: {', '.join(keys)}" if keys else of.write("recommended"))
 
 
-def _actions(of: Contents, cases: Mapping[str, Case]) -> Iterator[Block]:
+def _actions(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Iterator[Block]:
     """Yield the table of load cases: kind, category, ψ0, ψ1, ψ2, group, and clause."""
     write, rows = of.write, list[Sequence[Cell]]()
     for name, case in cases.items():
@@ -123,8 +124,10 @@ def _actions(of: Contents, cases: Mapping[str, Case]) -> Iterator[Block]:
         psi = own.representative[1:] if own.kind == "variable" else ()
         shown = [Cell(f"{value:g}", value) for value in psi] or [Cell("–")] * 3
         clause = "" if not psi else f"{write('given')}: psi" if own.psi else "EN 1990, Table A1.1"
-        kind = write(own.kind) if own.kind else f"{own.asce}: {write(f'asce_{own.asce}')}"
-        clause = clause if own.kind else "ASCE 7-22, 2.2"
+        kind = write(own.kind) if own.kind and "en1990" in codes else ""
+        symbol = f"{own.asce}: {write(f'asce_{own.asce}')}" if own.asce and "asce7" in codes else ""
+        kind = "; ".join(filter(None, (kind, symbol)))
+        clause = "; ".join(filter(None, (clause, symbol and "ASCE 7-22, 2.2")))
         parts = (("with", case.follows), ("group", own.group), ("action", own.action))
         together = "; ".join(f"{key} {value}" for key, value in parts if value)
         rows.append([Cell(name), Cell(kind), Cell(own.category or ""), *shown, Cell(together), Cell(clause)])
@@ -223,6 +226,14 @@ def _any(of: Contents) -> Result:
     return of.results[next(solved(of.values))["name"]]
 
 
+def _governing(of: Contents, name: str) -> str | None:
+    """Combination with the largest value of a field of bars, for design moments at the top with the smallest."""
+    ends = [of.results.envelope.field(on_plate(name, plate.name)) for plate in of.results.discretisation.members]
+    sign = DESIGN_MOMENTS.get(name, 1.0)
+    value, row = max((sign * one.max, one.max_by) if sign > 0.0 else (-one.min, one.min_by) for one in ends)
+    return None if row == NONE or math.isnan(value) else of.results.key(row)
+
+
 def _layer(of: Contents, name: str) -> str:
     axis, face = name.split("_")[1:]
     return f"{of.write(face)} {axis} ({name})"
@@ -232,29 +243,37 @@ def _largest_table(of: Contents, bars: en1992.Bars, lam: float) -> Iterator[Bloc
     """Yield the largest area of each layer over all combinations."""
     write, units, rows = of.write, of.results.model.units, list[Sequence[Cell]]()
     (area, unit), moment = steel_unit(units.length), f" [{units.force} {units.length}/{units.length}]"
+    if not {*REINFORCEMENT} <= {*of.results.envelope.layout.fields}:
+        yield Text(write("not_enveloped"))
+        return
     for name in REINFORCEMENT:
-        for side, _, width, by, _ in extremes(of, name):
-            layer = _largest(of.results[by], name) if side == "max" and by is not None else None
-            if layer is None:
-                continue
-            rest = 1.0 - 2.0 * layer.design / (bars.block * layer.depth**2)
-            s = 1.0 - math.sqrt(max(rest, 0.0))
-            needed = bars.block * layer.depth * s / bars.yield_stress
-            why = "none_needed" if not layer.area else "minimum" if needed < layer.area * (1.0 - _EQUAL) else "bending"
-            if math.isinf(layer.area):
-                value, why = Cell("∞"), "beyond"
-            else:
-                value = write.number(layer.area, width, scale=area)
-            numbers = [write.number(one) for one in (*layer.moments, layer.design, layer.depth)]
-            depths = [Cell(f"{s / lam:.4f}", s / lam), write.number(layer.depth * (1.0 - 0.5 * s))]
-            cells = [value, Cell(of.code(by)), write.place(layer.at), *numbers, *depths]
-            rows.append([Cell(_layer(of, name)), *cells, Cell(write(why))])
+        by = _governing(of, name)
+        layer = None if by is None else _largest(of.results[by], name)
+        if layer is None or by is None:
+            continue
+        width = next((one[2] for one in extremes(of, name) if one[0] == "max" and one[3] == by), ...)
+        # Where the minimum governs, many combinations have the same area: take the one with the largest moment.
+        most = _governing(of, REINFORCEMENT[name]) or by
+        other = _largest(of.results[most], name)
+        if other is not None and other.area >= layer.area * (1.0 - _EQUAL):
+            layer, by = other, most
+        rest = 1.0 - 2.0 * layer.design / (bars.block * layer.depth**2)
+        s = 1.0 - math.sqrt(max(rest, 0.0))
+        needed = bars.block * layer.depth * s / bars.yield_stress
+        why = "none_needed" if not layer.area else "minimum" if needed < layer.area * (1.0 - _EQUAL) else "bending"
+        if math.isinf(layer.area):
+            value, why = Cell("∞"), "beyond"
+        else:
+            value = write.number(layer.area, width, scale=area)
+        size = max(map(abs, layer.moments))
+        numbers = [write.number(one, size=size) for one in (*layer.moments, layer.design)]
+        numbers.append(write.number(layer.depth))
+        depths = [Cell(f"{s / lam:.4f}", s / lam), write.number(layer.depth * (1.0 - 0.5 * s))]
+        cells = [value, Cell(of.code(by)), write.place(layer.at), *numbers, *depths]
+        rows.append([Cell(_layer(of, name)), *cells, Cell(write(why))])
     head = [write("layer"), f"As [{unit}]", write("governing"), write("place"), f"mx{moment}", f"my{moment}"]
     head += [f"mxy{moment}", f"|m|{moment}", f"d [{units.length}]", "x/d", f"z [{units.length}]", write("decides")]
-    if rows:
-        yield Table(write("largest_areas"), head, rows)
-    else:
-        yield Text(write("not_enveloped"))
+    yield Table(write("largest_areas"), head, rows)
 
 
 _NOT_CHECKED: Mapping[str, Mapping[str, str]] = {

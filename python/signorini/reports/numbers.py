@@ -12,7 +12,7 @@ from signorini.analysis.checks import judged
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
-from signorini.reports.maps import MapData, map_data, map_html
+from signorini.reports.maps import MapData, fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
 from signorini.results.quantities import (
@@ -290,7 +290,7 @@ def fields(of: Contents) -> Iterator[Block]:
         yield _map(of, map_data(of.results, of.estimates, columns=of.punched), "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
-    yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
+    yield Table(of.write("field_extremes"), head, list(_field_rows(of, fields_of(of.results.model))))
     rows = []
     for one in solved(of.values):
         for number, probe in enumerate(one["probes"]):
