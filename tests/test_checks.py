@@ -6,11 +6,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from models import rectangular
 
 from signorini import InputError, Model, Results, check_results, estimate, path, solve, write
+from signorini.analysis.estimate import estimates_of
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import largest_factor
@@ -252,6 +254,34 @@ def test_half_widths_of_utilisations_are_those_of_the_values_over_the_limit() ->
         assert one.plus_minus == pytest.approx(widths[0] / abs(one.limit), rel=1e-12)
 
 
+@pytest.mark.parametrize("tabulated", ["each", "table", "file"])
+def test_a_check_passes_only_with_the_half_width_of_every_combination(tabulated: str, tmp_path: Path) -> None:
+    """The combination with the largest utilisation is certain to pass; another one has a half-width beyond 1."""
+    load = [
+        {"case": "even", "pressure": 1e3},
+        {"case": "wheel", "force": 1e4, "at": [2, 2], "patch": [0.4, 0.4]},
+    ]
+    support = [{"edge": ["left", "right"], "fix": "simple"}]
+    alike = {"divisions": [6, 6], "load": load, "support": support, "probe": [{"at": [2, 2]}]}
+    each = [{"name": case, "factors": {case: 1.0}} for case in ("even", "wheel")]
+    first = estimate(solve(rectangular(**alike, combination=each)))
+    even, wheel = (first[case].result.probes[0].moment[0] for case in ("even", "wheel"))
+    relative = first["wheel"].plus_minus["probes"][0]["moment"][0] / wheel
+    assert relative > 0.1 > 10 * first["even"].plus_minus["probes"][0]["moment"][0] / even
+    each = [{"name": "even", "factors": {"even": 0.96 / even}}, {"name": "wheel", "factors": {"wheel": 0.94 / wheel}}]
+    output = {"combinations": "each" if tabulated == "each" else "table"}
+    check = [{"name": "bars", "of": "probe[1].mx", "limit": 1.0}]
+    model = rectangular(**alike, combination=each, output=output, check=check)
+    file = tmp_path / "table.parquet" if tabulated == "file" else None
+    results = solve(model) if file is None else solve(model, table=file)
+    estimates = estimate(results) if file is None else estimates_of(results, lambda now: None, file)
+    (one,) = check_results(results, estimates)
+    assert (one.governing, one.passed, one.verdict) == ("even", None, "undecided: 1 is within ±")
+    assert one.utilisation + one.plus_minus < 1.0
+    (alone,) = check_results(results)
+    assert alone.passed is True
+
+
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_table_has_the_checks_of_single_results(method: str) -> None:
     single = check_results(solve(Model(**BASE_PLATE | {"solver": {"method": method}})))
@@ -263,6 +293,34 @@ def test_a_table_has_the_checks_of_single_results(method: str) -> None:
             other.verdict,
         )
         assert one.utilisation == pytest.approx(other.utilisation, rel=1e-8)
+
+
+def test_the_utilisation_of_a_field_is_a_field_in_files_and_envelopes(tmp_path: Path) -> None:
+    """A limit [lower, upper] has its own sign; the envelope has the largest utilisation and its row."""
+    name = 'twist of <a> & "b"'
+    limits = {"limit": [-50.0, 200.0], "group": "SLS"}
+    checks = [{"name": name, "of": "mx", "limit": [-100.0, 50.0]}, {"name": "SLS", "of": "deflection", **limits}]
+    options = {
+        "output": {"combinations": "table", "fields": "governing"},
+        "mesh": {"divisions": [8, 8], "error": False},
+    }
+    results = solve(Model(**BASE_PLATE | options | {"check": checks}))
+    each = []
+    for result in (results[key] for key in results):
+        mx = result.fields["mx"]
+        each.append(np.where(mx < 0, mx / -100.0, mx / 50.0))
+        assert np.array_equal(result.fields[f"utilisation:{name}"], each[-1])
+        assert np.isnan(result.fields["utilisation:SLS"]).all() == (result.combination.group != "SLS")
+    result.plot(f"utilisation:{name}")
+    result.to_vtk(tmp_path / "own.vtu")
+    assert np.allclose(meshio.read(tmp_path / "own.vtu").point_data[f"utilisation:{name}"], each[-1])
+    write(results, tmp_path / "all", pictures="none")
+    found = meshio.read(tmp_path / "all" / "envelope.vtu").point_data
+    assert np.allclose(found[f"utilisation:{name}_max"], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    rows = found[f"utilisation:{name}_max_row"].astype(int)
+    assert np.allclose(np.array(each)[rows, np.arange(len(rows))], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    assert "utilisation:SLS_max" not in found
+    assert "utilisation:SLS_max" in meshio.read(tmp_path / "all" / "envelope-sls.vtu").point_data
 
 
 def test_a_path_finds_where_a_check_is_reached() -> None:

@@ -1,10 +1,12 @@
 """The report: its numbers are those of results.json, names are text, it needs no network, and it prints."""
 
+import base64
 import json
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator
+import zlib
+from collections.abc import Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,7 @@ from signorini.output.tables import results_json
 from signorini.reports import numbers, page, sections
 from signorini.reports.blocks import Table, Text, Writer
 from signorini.reports.sections import Contents
+from signorini.results import quantities
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 BAD = "<script>alert(1)</script>"
@@ -85,7 +88,7 @@ class Parsed(HTMLParser):
 
     @property
     def results(self) -> Any:
-        return json.loads(self.script)
+        return json.loads(zlib.decompress(base64.b64decode(self.script)))
 
 
 @pytest.fixture(scope="module")
@@ -190,6 +193,15 @@ def test_every_text_is_in_both_languages() -> None:
     from signorini.reports.blocks import _catalogue
 
     assert all(set(one) == {"en", "de"} for one in _catalogue()["texts"].values())
+    owners = [
+        of.values() if isinstance(of, Mapping) else of
+        for of in vars(quantities).values()
+        if isinstance(of, tuple | Mapping)
+    ]
+    words = {
+        one.words or one.name.replace("_", " ") for of in owners for one in of if isinstance(one, quantities.Quantity)
+    }
+    assert len(words) > 50 and words <= set(_catalogue()["de"])
 
 
 def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Results, Any]) -> None:
@@ -256,6 +268,16 @@ def test_many_combinations_are_folded_and_counted() -> None:
     text = page.page(results, None, "")
     assert "(60 rows)" in text and "C60: c59" in text
     assert "60 of 60 combinations" in text
+
+
+def test_a_page_of_table_rows_solves_none_again_and_has_two_megabytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = {f"c{at}": [1 + at / 100, at / 300] for at in range(300)}
+    table = {"generate": "table", "columns": ["G", "Q"], "rows": rows}
+    probes = [{"at": [[1 + at / 10, 2] for at in range(40)]}]
+    results = signorini.solve(slab(combination=[table], probe=probes, mesh={"divisions": [60, 40], "error": False}))
+    monkeypatch.setattr("signorini.analysis.results.solve_one", None)
+    assert len(results) == 300 and "c299" in results and "c300" not in results
+    assert len(page.page(results, None, "").encode()) < 2_000_000
 
 
 def test_a_combination_without_equilibrium_is_named() -> None:

@@ -126,6 +126,10 @@ class Results(States[str], Mapping[str, Result]):
         """Iterate over the names of the combinations."""
         return iter(self._numbers)
 
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a combination of that name, without solving it."""
+        return name in self._numbers
+
     def __len__(self) -> int:
         """Number of combinations of the model."""
         return len(self.model.effective_combinations)

@@ -65,6 +65,10 @@ class OnDemand(Mapping[str, _V]):
                 del self._kept[next(iter(self._kept))]
         return self._kept[name]
 
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a value of that name, without computing it."""
+        return name in self._names
+
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
         return iter(self._names)

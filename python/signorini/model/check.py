@@ -72,6 +72,15 @@ class Check(base.Named):
         """Bounds (...) on the side of values (...)."""
         return np.where(values < 0.0, *self.bounds)
 
+    def used(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Utilisations (...) of values (...)."""
+        return np.asarray(values / self.limit_of(values))
+
+    def includes(self, group: str, combinations: Combinations) -> bool:
+        """Whether every combination of a group is checked; an empty group has all combinations."""
+        whole = combinations.groups.get(self.group, 0) == len(combinations)
+        return not self.combinations and (whole or self.group in ("", group))
+
     def applies_to(self, combination: Combination) -> bool:
         """Whether a combination is checked."""
         return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))

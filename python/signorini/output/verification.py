@@ -43,7 +43,7 @@ _NOT_RESULTS = ("program", "input", "options", "seconds")
 _OF_PATHS = ("add", "until", "steps", "at", "when", "events")
 """Options of a path."""
 _IN_REPORT = re.compile(r'<script\b[^>]*\bid="signorini-results"[^>]*>(.*?)</script>', re.DOTALL)
-"""Element of a report that contains results.json."""
+"""Element of a report that contains results.json, deflated and in base64."""
 _ABSENT = object()
 
 _PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
@@ -176,12 +176,13 @@ def _read(file: FilePath) -> dict[str, Any]:
     try:
         text = read_regular(file, _LARGEST_FILE).decode("utf-8-sig")
         if not text.lstrip().startswith("{"):
-            (text,) = _IN_REPORT.findall(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+            (coded,) = _IN_REPORT.findall(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+            text = zlib.decompressobj().decompress(base64.b64decode(coded), _LARGEST_FILE).decode()
         # A longer integer is beyond the range of a float.
         stored = json.loads(text, parse_int=lambda digits: int(digits) if len(digits) < 300 else float(digits))
     except OSError as error:
         raise InputError(f"the file cannot be read: {error.strerror or error}.", place=str(file)) from None
-    except (ValueError, RecursionError):
+    except (ValueError, zlib.error, RecursionError):
         stored = None
     if not isinstance(stored, dict) or not _table(_table(stored.get("input")).get("model")):
         why = "it has no results of signorini with their model. Give a results.json, a path.json or a report (.html)."

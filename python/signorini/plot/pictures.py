@@ -228,6 +228,7 @@ def check_picture(
     poorest: tuple[tuple[float, float], str] | None = None,
     title: str = "",
     length: str = "",
+    mesh: bool = True,
     numbers: bool = False,
 ) -> Figure:
     """Draw a model before it is solved: mesh, supports, loads with their totals, sections and strips.
@@ -244,7 +245,8 @@ def check_picture(
     page = Page(plan, 1, length, bars=bedding is not None)
     (axes,) = page.plans
     sheet = draw_sheet(axes, plan)
-    draw_mesh(axes, plan)
+    if mesh:
+        draw_mesh(axes, plan)
     labels = Labels(axes)
     if bedding is None:
         draw_outlines(axes, plan)

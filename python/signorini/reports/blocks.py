@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -104,10 +104,16 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Map:
-    """An interactive map, as markup."""
+    """An interactive map: its name, and its markup within a largest size [bytes] of its arrays."""
 
     block: ClassVar[str] = "map"
-    markup: str
+    name: str
+    markup: Callable[[int], str]
+
+    @property
+    def place(self) -> str:
+        """Comment that marks the place of the map in a page; names in a page are escaped and cannot contain it."""
+        return f"<!-- {self.name} -->"
 
 
 Block = Table | Text | Picture | Drawing | Map

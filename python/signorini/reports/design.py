@@ -176,7 +176,8 @@ def _largest(result: Result, name: str) -> Layer | None:
         axis, face = name.split("_")[1:]
         depth = member.thickness[node] - getattr(bars, f"{face}_{axis}")
         x, y = nodes.points[node].tolist()
-        mx, my, mxy = member.moment_for_bars[node].tolist()
+        moments = member.moment if member.moment_of_bars is None else member.moment_of_bars
+        mx, my, mxy = moments[node].tolist()
         layers.append(Layer(float(area[node]), (mx, my, mxy), float(design[node]), float(depth), (x, y)))
     return max(layers, key=lambda layer: layer.area, default=None)
 

@@ -25,6 +25,7 @@ from signorini.model import Model
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.blocks import shown_in
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
+from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
@@ -126,7 +127,8 @@ class _OfEnvelope:
     about: dict[str, Any]
     envelope: Envelope
     end: int
-    key: Callable[[int], str]
+    key: Callable[[int], str]  # name of a row under the pointer
+    label: Callable[[int], str]  # name of a row on the map
     estimates: Estimates | None = None
     rank: int = 0
 
@@ -153,7 +155,7 @@ class _OfEnvelope:
         scale, _ = shown_in(PICTURED[name], self.envelope.layout.model.units)
         width = None if width is None else scale * width
         limits = [scale * ends.min, scale * ends.max]
-        words = f"{extreme(SIDES[self.end], scale * value, told, width, max(map(abs, limits)))}, {self.key(row)}"
+        words = f"{extreme(SIDES[self.end], scale * value, told, width, max(map(abs, limits)))}, {self.label(row)}"
         at = rounded(self.envelope.places_of(column)[self.end])
         return {"range": rounded(limits), "ends": [[words, *at]], "discs": [], "width": width}
 
@@ -282,18 +284,21 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     """Yield the states of a viewer: envelopes, then governing and other combinations, or stops of a path."""
     if isinstance(results, Result):
         if results.status == "solved":
-            yield _OfResult({"kind": "combination", "name": results.name}, 1, results)
+            yield _OfResult({"kind": "combination", "name": results.name, "words": results.name}, 1, results)
         return
     key: Callable[[int], str]
+    label: Callable[[int], str]
     if isinstance(results, Results):
-        key, count = results.key, results.combined.solved
+        count = results.combined.solved
+        key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))
         envelopes = {"": results.envelope} | (dict(results.groups) if len(results.groups) > 1 else {})
     else:
-        key, count = (lambda row: _at(results.key(row))), len(results.stops)
+        count = len(results.stops)
+        key = label = lambda row: _at(results.key(row))
         envelopes = {"": results.envelope}
     for group, envelope in envelopes.items() if count > 1 else ():
         for end, side in enumerate(_ENDS):
-            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, estimates)
+            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, label, estimates)
     if isinstance(results, LoadPath):
         for row in _stops(results):
             t = results.key(row)
@@ -302,7 +307,8 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
     governing = results.governing
     for name in [*governing, *(name for name in results.full if name not in governing)]:
         if (result := results[name]).status == "solved":
-            yield _OfResult({"kind": "combination", "name": name}, 1 + (name not in governing), result, estimates)
+            about = {"kind": "combination", "name": name, "words": numbered(results, name)}
+            yield _OfResult(about, 1 + (name not in governing), result, estimates)
 
 
 def _at(t: float) -> str:

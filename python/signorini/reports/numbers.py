@@ -9,12 +9,14 @@ from operator import itemgetter
 from typing import Any, NamedTuple
 
 from signorini.analysis.checks import judged
+from signorini.analysis.results import Results
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
-from signorini.reports.maps import MapData, fields_of, map_data, map_html
+from signorini.reports.maps import fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
+from signorini.results.load_path import LoadPath
 from signorini.results.quantities import (
     AT_PROBES,
     DESIGN_MOMENTS,
@@ -30,7 +32,7 @@ from signorini.results.quantities import (
 )
 
 _ACROSS = 8
-"""Largest number of columns of simultaneous reactions in one table."""
+"""Largest number of columns of simultaneous reactions, or of quantities at probes, in one table."""
 _BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 _MOST_REASONS = 20
 """Largest number of combinations without equilibrium whose reason is given."""
@@ -229,7 +231,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             for name, bound in zip(_BOUNDED, bounds, strict=True)
         ]
         passed = write("passed" if found_errors["passed"] else "failed")
-        errors.append([Cell(of.code(one["name"])), *cells, Cell(passed)])
+        errors.append([Cell(of.short(one["name"])), *cells, Cell(passed)])
     unit = write.unit("reaction")
     head = [write("combination"), *(write(key) + unit for key in ("load_sum", "reaction_sum", "difference"))]
     yield Table(write("balance_table"), head, rows)
@@ -251,7 +253,7 @@ def reactions(of: Contents) -> Iterator[Block]:
             areas = ((own[area.name], _width(one["plus_minus"], *keys, area.name)) for area in OF_AREAS[:2])
             rows.append([*cells, *(write.number(*pair) for pair in areas)])
             for number, point in enumerate(own.get("points") or ()):
-                cells = [Cell(of.code(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
+                cells = [Cell(of.short(one["name"])), Cell(f"{own['name']}[{number + 1}]"), write.place(point["at"])]
                 for key, size in sizes.items():
                     cells.append(
                         write.number(point[key], _width(one["plus_minus"], *keys, "points", number, key), size)
@@ -275,10 +277,10 @@ def reactions(of: Contents) -> Iterator[Block]:
                     write.number(one[side], _width(one["plus_minus"], side), largest),
                 ]
                 together = (write.number(one[f"{side}_with"][at], size=largest) for at in columns)
-                rows.append([*cells, Cell(of.code(one[f"{side}_by"])), *together])
+                rows.append([*cells, Cell(of.short(one[f"{side}_by"])), *together])
         head = [write("extreme"), write("value") + write.unit("reaction"), write("combination")]
         yield Table(
-            write("simultaneous") + (f" ({first // _ACROSS + 1})" if len(every) > _ACROSS else ""),
+            _part(write("simultaneous"), first, len(every)),
             [*head, *(names[at] for at in columns)],
             rows,
         )
@@ -287,26 +289,38 @@ def reactions(of: Contents) -> Iterator[Block]:
 def fields(of: Contents) -> Iterator[Block]:
     """Yield maps or pictures of fields, and a table of their extremes."""
     if any(True for _ in solved(of.values)):
-        yield _map(of, map_data(of.results, of.estimates, columns=of.punched), "map")
+        yield _map(of, of.results, "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
     yield Table(of.write("field_extremes"), head, list(_field_rows(of, fields_of(of.results.model))))
-    rows = []
-    for one in solved(of.values):
-        for number, probe in enumerate(one["probes"]):
-            for quantity in AT_PROBES:
-                value, width = found(probe, *quantity.path), _width(one["plus_minus"], "probes", number, *quantity.path)
-                if value is not None:
-                    cells = [Cell(of.code(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
-                    rows.append([*cells, Cell(of.write.label(quantity)), of.write.value(quantity, value, width)])
-    head = [of.write(key) for key in ("combination", "probe", "place", "quantity", "value")]
-    yield Table(of.write("probes"), head, rows)
+    told = [(one, number, probe) for one in solved(of.values) for number, probe in enumerate(one["probes"])]
+    known = [one for one in AT_PROBES if any(found(probe, *one.path) is not None for _, _, probe in told)]
+    head = [of.write(key) for key in ("combination", "probe", "place")]
+    for first in range(0, len(known), _ACROSS):
+        some, rows = known[first : first + _ACROSS], []
+        for one, number, probe in told:
+            keys = ("probes", number)
+            cells = [Cell(of.short(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
+            values = ((each, found(probe, *each.path), _width(one["plus_minus"], *keys, *each.path)) for each in some)
+            rows.append([*cells, *(of.write.value(*one) for one in values)])
+        yield Table(_part(of.write("probes"), first, len(known)), [*head, *map(of.write.label, some)], rows)
 
 
-def _map(of: Contents, data: MapData, name: str) -> Map:
+def _part(caption: str, first: int, count: int) -> str:
+    """Caption of one of the tables that share ``count`` columns."""
+    return f"{caption} ({first // _ACROSS + 1})" if count > _ACROSS else caption
+
+
+def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
     """Interactive map with its texts in the language of the report."""
-    words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
-    return Map(map_html(data, name, of.write.language, words))
+
+    def markup(budget: int) -> str:
+        own = results is of.results
+        data = map_data(results, of.estimates if own else None, budget=budget, columns=of.punched if own else ())
+        words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
+        return map_html(data, name, of.write.language, words)
+
+    return Map(name, markup)
 
 
 def cuts(of: Contents) -> Iterator[Block]:
@@ -315,7 +329,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     sections, strips, walls = [], [], []
     means = in_model(of.results.model, MEANS)
     for one in solved(of.values):
-        name, told = Cell(of.code(one["name"])), one["plus_minus"]
+        name, told = Cell(of.short(one["name"])), one["plus_minus"]
         for index, cut in enumerate(one["sections"]):
             cells = (write.number(cut[each.name], _width(told, "sections", index, each.name)) for each in THROUGH)
             sections.append([name, Cell(cut["name"]), write.number(cut["length"]), *cells])
@@ -352,9 +366,9 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending} {path['mechanism'] or ''}")
+    yield Text(f"{ending[:-1]}: {path['mechanism']}." if path["mechanism"] else ending)
     yield pictures.of_path(of.along, write)
-    yield _map(of, map_data(of.along), "map-path")
+    yield _map(of, of.along, "map-path")
     rows = [
         [write.number(one["t"]), Cell(one["support"]), write.place(one["at"]), Cell(one["change"])]
         for one in path["support_events"]

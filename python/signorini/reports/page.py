@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
 import subprocess
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime
 from importlib import resources
@@ -29,7 +31,7 @@ from signorini.formats.xlsx import write_xlsx
 from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
 from signorini.reports import design, numbers, sections
-from signorini.reports.blocks import Block, Section, Text, Writer, data_uri
+from signorini.reports.blocks import Block, Map, Section, Text, Writer, data_uri
 from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
@@ -39,6 +41,10 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 _LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_LOGO = 500_000
 """Largest size of a logo [bytes]."""
+_LARGEST_PAGE = 1_900_000
+"""Size of a page up to which it has arrays of maps [bytes]; the texts of the maps are added."""
+_LEAST_MAP = 600_000
+"""Size that the arrays of a map may have on every page [bytes]."""
 _SECONDS = 180
 """Longest time that a browser may take to print."""
 
@@ -174,7 +180,7 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html").render(
+    text = environment.get_template("page.html").render(
         write=write,
         title=title,
         block=block,
@@ -187,6 +193,11 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
         maps=Markup(assets_html()),
         results=Markup(_embedded(values)),
     )
+    maps = [one for each in own for one in each.blocks if isinstance(one, Map)]
+    for index, one in enumerate(maps):
+        room = (_LARGEST_PAGE - len(text.encode())) // (len(maps) - index)
+        text = text.replace(one.place, one.markup(max(room, _LEAST_MAP)), 1)
+    return text
 
 
 def _asset(name: str) -> str:
@@ -194,11 +205,9 @@ def _asset(name: str) -> str:
 
 
 def _embedded(values: Mapping[str, Any]) -> str:
-    """JSON for a script element: no text in it can end the element."""
+    """JSON for a script element, deflated and in base64."""
     text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return text
+    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
 
 def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:

@@ -19,6 +19,7 @@ from signorini.plot.picture import LoadMark
 from signorini.plot.pictures import Figure, check_picture, drawn
 from signorini.plot.plan import Plan
 from signorini.reports.blocks import Picture, Writer
+from signorini.reports.names import short
 from signorini.results import marks
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import MEANS, PICTURED, PRESSURE, RESULTANTS
@@ -70,6 +71,7 @@ def _of_case(each: Discretisation, loads: list[LoadMark]) -> bytes:
         supports=marks.unsolved_marks(each),
         loads=loads,
         totals=marks.case_totals(each),
+        mesh=False,
         length=each.model.units.length,
     )
     return _png(figure)
@@ -97,7 +99,7 @@ def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
     model, solved = results.model, [one for one in results.full.values() if one.status == "solved"]
     along_unit = in_unit(model.units.length)
     for profile in model.profile if solved else ():
-        own = {one.name: one.profiles[profile.name] for one in solved if profile.name in one.profiles}
+        own = {short(results, one.name): one.profiles[profile.name] for one in solved if profile.name in one.profiles}
         panels = {
             write.label(PICTURED[name]): {key: one.values[name] for key, one in own.items()} for name in _PROFILED
         }
@@ -105,7 +107,7 @@ def of_profiles(results: Results, write: Writer) -> Iterator[Picture]:
         upward = [write.label(PRESSURE)]
         yield Picture(_png(profile_picture(distance, panels, profile.name + along_unit, "", upward)), profile.name)
     for strip in model.strip if solved else ():
-        stations = {one.name: one.strips[strip.name].stations for one in solved}
+        stations = {short(results, one.name): one.strips[strip.name].stations for one in solved}
         places = np.array([one.at for one in next(iter(stations.values()))])
         distance = np.concatenate([[0.0], np.hypot(*np.diff(places, axis=0).T).cumsum()])
         panels = {

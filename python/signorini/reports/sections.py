@@ -15,9 +15,10 @@ from signorini.base.numbers import in_unit, number
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
+from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched, punched
 from signorini.results.load_path import LoadPath
-from signorini.results.quantities import PICTURED, Quantity
+from signorini.results.quantities import PICTURED, Quantity, in_model
 
 _MOST_ROWS = 500
 """Largest number of combinations that are listed."""
@@ -81,9 +82,11 @@ class Contents:
 
     def code(self, name: str) -> str:
         """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
-        if len(self.results) < 3 or name not in self.results:
-            return name
-        return f"C{self.results.number_of(name) + 1}: {name}"
+        return numbered(self.results, name)
+
+    def short(self, name: str) -> str:
+        """Number of a combination: "C17"; its name if there are fewer than three."""
+        return short(self.results, name)
 
 
 def codes_of(tables: Mapping[str, Any]) -> list[str]:
@@ -234,7 +237,7 @@ def combinations(of: Contents) -> Iterator[Block]:
 def glossary(of: Contents) -> Iterator[Block]:
     """Yield the quantities of the registry that the results have, with their units."""
     write, rows = of.write, dict[str, Sequence[Cell]]()
-    for one in (*PICTURED.values(), *of.quantities.values()):
+    for one in (*in_model(of.results.model, PICTURED.values()), *of.quantities.values()):
         words = write.translated(one.words or one.name.replace("_", " "))
         rows.setdefault(words, [Cell(one.name), Cell(words), Cell(write.unit_of(one) or "–")])
     yield Table(write("glossary"), [write("symbol"), write("meaning"), write("unit")], list(rows.values()))

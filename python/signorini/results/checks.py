@@ -14,7 +14,7 @@ from signorini.equilibrium.stability import load_factors
 from signorini.errors import InputError
 from signorini.model import Check, Combination, Model
 from signorini.model.check import OVERTURNING
-from signorini.results.quantities import ENDS, FIELDS, Catalogue, measures, on_plate, with_extremes
+from signorini.results.quantities import ENDS, FIELDS, PICTURED, Catalogue, Quantity, measures, on_plate, with_extremes
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class CheckedNumbers:
 
     def governing(self, values: Floats) -> tuple[Ints, Floats]:
         """Index (k,) in ``measured`` of the number with the largest utilisation, and the utilisation; NaN if absent."""
-        used = values[:, self.measured] / self.check.limit_of(values[:, self.measured])
+        used = self.check.used(values[:, self.measured])
         which = np.where(np.isnan(used), -np.inf, used).argmax(axis=1)
         return which, np.take_along_axis(used, which[:, None], axis=1)[:, 0]
 
@@ -60,6 +60,21 @@ def checked_fields(model: Model) -> tuple[str, ...]:
     subjects = {on_plate(name, plate): name for name in with_extremes(model) for plate in ("", *model.plates)}
     wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
     return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
+
+
+def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
+    """Field and check by name of the field of the check's utilisation, such as "utilisation:plate stress"."""
+    fields = {name: field for field in with_extremes(model) for name in (field, on_plate(field, model.part))}
+    checks = (check for check in model.original.check if check.of in fields)
+    return {f"utilisation:{check.name}": (fields[check.of], check) for check in checks}
+
+
+def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
+    """Quantity of a field, of the pressure or of a utilisation, and the quantity that it is computed from."""
+    if field in PICTURED:
+        return PICTURED[field], PICTURED[field]
+    measured, check = utilisations(model)[field]
+    return Quantity(field, "part", f"utilisation, {check.name}"), PICTURED[measured]
 
 
 def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combination] | None = None) -> Floats:

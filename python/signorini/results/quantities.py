@@ -366,6 +366,7 @@ OF_COLUMNS = (
     Quantity("v_rd_c", "stress", "vRd,c, resistance without shear reinforcement", enveloped=False, along_paths=False),
     Quantity("v_rd_max", "stress", "vRd,max, largest resistance", tabled=False, along_paths=False),
     Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
+    Quantity("with_links", "part", "utilisation, with the most links", along_paths=False),
     Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
     Quantity("uout", "length", "uout, length of the outer perimeter", along_paths=False),
 )

@@ -28,10 +28,11 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.contact_field.kern import kern_of
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.local_results import strip_sections, total_pressure
+from signorini.results.local_results import designed, total_pressure
 from signorini.results.punching import in_units, points_inside
-from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, along_strips, derived
+from signorini.results.quantities import EXTREMES, LINEAR, OF_BARS, OF_COLUMNS, Catalogue, Home, derived
 from signorini.results.support_points import SupportPoints, closed_part
+from signorini.singularities.beside import at_faces, faces_of
 
 _TOGETHER = 500_000
 """Largest number of nodal deflections in memory at once (4 MB) while contact areas are computed."""
@@ -79,6 +80,8 @@ class Linear(NamedTuple):
 
     probes: Floats
     """(k, q', 8): fields at every probe, on each side of a jump; the last axis is in the order of `LINEAR`."""
+    of_bars: Floats
+    """(k, q', 3): moments for the design of bars there, see `Reinforcement.face`; q' = 0 if they are those fields."""
     through: Floats
     """(k, 3c): moment, twist and shear of every section, then their means at every station of the strips."""
     forces: Floats
@@ -174,8 +177,10 @@ class Reader:
             turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:])
             of_lines = [line.couples @ turned.ravel() for line in self.lines.values() if line.couples is not None]
             on_lines = nothing + of_lines
+        faces, positions = faces_of(found) if found.model.at_faces else (), found.probe_positions[sides.point]
         return Linear(
             at_probes,
+            at_faces(faces, fields[:, 3:6], at_probes[:, 3:6], positions) if faces else np.zeros((0, 3)),
             found.through(load, hi, lo, reaction, forces.springs),
             np.concatenate(nothing + of_supports),
             np.concatenate(nothing + couples),
@@ -332,6 +337,12 @@ class Readings:
         return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
+    def of_bars(self) -> Floats:
+        """Moments (k, q, 3) for the design of bars at probes."""
+        values = self.linear.of_bars
+        return self.discretisation.probe_sides.larger(values) if values.shape[1] else self.probes[..., 3:6]
+
+    @cached_property
     def pressures(self) -> Floats:
         """Contact pressures (k, q) at probes; NaN where there is no area support."""
         found = self.discretisation
@@ -354,12 +365,13 @@ class Readings:
         if what in LINEAR:
             return self.probes[..., list(LINEAR).index(what)]
         moment, shear, found = self.probes[..., 3:6], self.probes[..., 6:], self.discretisation
+        moment = self.of_bars if what in OF_BARS else moment
         return derived([what], moment, shear, found.probe_thickness, found.model.bars)[..., 0]
 
     def _at_stations(self, what: str, through: Floats) -> Floats:
         if what in _THROUGH:
-            return _THROUGH[what](through)
-        return along_strips(what, through, *strip_sections(self.discretisation), self.discretisation.model.bars)
+            return _THROUGH[what](through)[:, : through.shape[1] - len(self.discretisation.sections.faces)]
+        return designed(self.discretisation, what, through)
 
     @property
     def _through(self) -> Floats:

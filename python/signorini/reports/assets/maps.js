@@ -564,7 +564,7 @@
     }
 
     nameOf(state) {
-      if (state.kind === "combination") return state.name;
+      if (state.kind === "combination") return state.words;
       if (state.kind === "stop") return state.words ? `${state.name}: ${state.words}` : state.name;
       return `${this.texts[state.kind]}${state.name ? `: ${state.name}` : ""}`;
     }
@@ -1016,7 +1016,7 @@
       const bar = make("div", { className: "bar", style: `background: linear-gradient(to right, ${stops})` });
       const ticks = make("div", { className: "ticks" });
       for (let k = Math.ceil(low / every - 1e-9); k * every <= high + 1e-9 * every; k++)
-        ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `left:${at(k * every)}%` }));
+        ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `--at: ${at(k * every)}%` }));
       const title = `${words}${unit ? ` [${unit}]` : ""}`;
       this.legend.replaceChildren(make("div", { className: "title" }, make("b", { textContent: title }),
         make("span", { textContent: `${this.nameOf(this.state)}${this.data.plates.length > 1 ? `, ${this.plate.name}` : ""}` })), bar, ticks);
