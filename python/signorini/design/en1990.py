@@ -79,6 +79,7 @@ CLAUSES: Mapping[str, tuple[str, str]] = {
     ),
     "EQU": ("Σ γG Gk + γP P + γQ Qk,1 + Σ γQ ψ0,i Qk,i", "6.4.3.2, Eq. (6.10); Table A1.2(A)"),
     "accidental": ("Σ Gk + P + Ad + (ψ1,1 or ψ2,1) Qk,1 + Σ ψ2,i Qk,i", "6.4.3.3, Eq. (6.11b); Table A1.3"),
+    "seismic": ("Σ Gk + P + AEd + Σ ψ2,i Qk,i", "6.4.3.4, Eq. (6.12b); Table A1.3"),
     "characteristic": ("Σ Gk + P + Qk,1 + Σ ψ0,i Qk,i", "6.5.3 (2)a, Eq. (6.14b); Table A1.4"),
     "frequent": ("Σ Gk + P + ψ1,1 Qk,1 + Σ ψ2,i Qk,i", "6.5.3 (2)b, Eq. (6.15b); Table A1.4"),
     "quasi-permanent": ("Σ Gk + P + Σ ψ2,i Qk,i", "6.5.3 (2)c, Eq. (6.16b); Table A1.4"),

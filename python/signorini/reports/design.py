@@ -12,6 +12,7 @@ from signorini.base.numbers import number
 from signorini.base.units import METRES, NEWTONS, steel_unit
 from signorini.design import aci318, asce7, en1990
 from signorini.design import en1992_bending as en1992
+from signorini.discretise.punching import Check
 from signorini.model import Case, Combination
 from signorini.model.punching import ACI_318, EN_1992
 from signorini.reports.blocks import Block, Cell, Table, Text, solved
@@ -24,7 +25,7 @@ from signorini.singularities.singularity import away_from
 
 _EQUAL = 1e-9
 """Largest difference of equal areas, relative to them."""
-_GAMMAS = {"permanent": "γG", "variable": "γQ", "preload": "γP", "accidental": "γA"}
+_GAMMAS = {"permanent": "γG", "variable": "γQ", "preload": "γP", "accidental": "γA", "seismic": "γAE"}
 _EVER_PRESENT = ("D", "Ev", "P")
 """Symbols of ASCE 7 that are no variable loads."""
 
@@ -54,22 +55,28 @@ def strengths(of: Contents) -> Iterator[Block]:
         say(part, "fyk", fyk, "MPa", "3.2.2 (3)", "given")
         say(part, "γS", own.gamma_s, "", "2.4.2.4 (1), Table 2.1N", sources["gamma_s"])
         say(part, "fyd = fyk / γS", en1992.yield_strength(fyk, own.gamma_s), "MPa", "3.2.7 (2)", "computed")
-    for table in model.punching:
-        part, stress = f"{write('punching')} {table.support or table.load}", _megapascals(of)
+    for index, check in _punched(of).items():
+        table = model.punching[index]
+        part = f"{write('punching')} {table.support or table.load}"
         if table.code == EN_1992:
-            say(part, "fck", table.fck * stress, "MPa", "3.1.2, Table 3.1", "given")
+            say(part, "fck", check.fck, "MPa", "3.1.2, Table 3.1", "given")
             say(part, "γC", en1992.GAMMA_C, "", "2.4.2.4 (1), Table 2.1N", "recommended")
-            fcd = en1992.compressive_strength(table.fck * stress, en1992.GAMMA_C, en1992.ALPHA_CC)
+            fcd = en1992.compressive_strength(check.fck, en1992.GAMMA_C, en1992.ALPHA_CC)
             say(part, "fcd = fck / γC", fcd, "MPa", "3.1.6 (1), αcc = 1", "computed")
             say(part, "CRd,c = 0.18/γC", 0.18 / en1992.GAMMA_C, "", "6.4.4 (1)", "recommended")
-            say(part, "fyk", table.fyk * stress, "MPa", "3.2.2 (3)", "given")
+            say(part, "fyk", check.fyk, "MPa", "3.2.2 (3)", "given")
             say(part, "γS", en1992.GAMMA_S, "", "2.4.2.4 (1), Table 2.1N", "recommended")
         else:
-            say(part, "f'c", table.fck * stress, "MPa", "ACI 318-19, 19.2.1", "given")
-            say(part, "fyt", table.fyk * stress, "MPa", "ACI 318-19, 20.2.2.4", "given")
-            say(part, "φ", aci318.PHI, "", "ACI 318-19, 21.2.1", "recommended")
+            say(part, "f'c", check.fck, "MPa", "ACI 318-19, 19.2.1", "given")
+            say(part, "fyt", check.fyk, "MPa", "ACI 318-19, 20.2.2.4", "given")
+            say(part, "φ", aci318.PHI, "", "ACI 318-19, 21.2.1", "code")
     head = [write(key) for key in ("part", "symbol", "value", "unit", "only_clause", "source")]
     yield Table(write("strengths"), head, rows)
+
+
+def _punched(of: Contents) -> dict[int, Check]:
+    """Check of one column of each table [[punching]] by its index; strengths in MPa may be those of [reinforcement]."""
+    return {one.column.table: one.check for one in of.results.discretisation.columns.columns}
 
 
 def _megapascals(of: Contents) -> float:
@@ -320,10 +327,12 @@ def uncracked(of: Contents) -> Iterator[Block]:
     if not checks or not codes_of(of.input):
         return
     yield Text(write("uncracked"), "warning")
-    if not (concrete := [model.reinforcement] if model.reinforcement else [*model.punching]):
+    punched = [one.fck for one in _punched(of).values()]
+    own = model.reinforcement
+    if own is None and not punched:
         return
     stress = _megapascals(of)
-    fctm = en1992.tensile_strength(concrete[0].fck * stress)
+    fctm = en1992.tensile_strength(punched[0] if own is None else own.fck * stress)
     for name in dict.fromkeys(one["governing"] for one in checks if one["governing"]):
         if of.results[name].status != "solved":
             continue

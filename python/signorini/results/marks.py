@@ -457,10 +457,10 @@ def panel(
     ends, values = _ends(field, result), None
     if widths is not None and field in result.extremes:
         values = widths["deflection"] if field == "deflection" else widths["fields"][field]
-    most = scale * max(abs(ends.max), abs(ends.min))
+    largest = scale * max(abs(ends.max), abs(ends.min))
     half = {name: values and values[name] and scale * values[name] for name in ("max", "min")}
     named = [
-        (extreme(name, scale * value, values is not None, half[name], most), at)
+        (extreme(name, scale * value, values is not None, half[name], largest), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
     hatched = discs(result.excluding(measured.singular) if measured.name in PEAKING else ())
