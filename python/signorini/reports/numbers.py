@@ -428,10 +428,10 @@ def warnings(of: Contents) -> Iterator[Block]:
         names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
         yield Text(one["text"] + names, "warning")
     if not of.values["warnings"]:
-    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
-    if said or singular:
-        yield from _in_english(of.write)
         yield Text(of.write("no_warnings"))
+    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    if of.values["warnings"] or singular:
+        yield from _in_english(of.write)
     rows = [
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()

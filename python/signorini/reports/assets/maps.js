@@ -484,11 +484,10 @@
       const [header, content] = root.querySelectorAll("script");
       const data = JSON.parse(header.textContent), { texts, blobs, fields } = data;
       const at = { state: 0, field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
-      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true };
+      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
       Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
-      this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       this.build();
       this.ready = this.show({});
     }
