@@ -23,8 +23,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.model import Model
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
-from signorini.reports.blocks import for_script
-from signorini.reports.blocks import shown_in
+from signorini.reports.blocks import for_script, shown_in
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
