@@ -34,9 +34,10 @@ class ColumnAt(NamedTuple):
     outline: Whole
 
 
-class Punching(base.OnPlate):
+class Punching(base.OnPlate, base.Named):
     """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
 
+    name: base.Text = Field(default="", description="Name of the columns; default that of the support or load case.")
     support: base.Text | None = Field(
         default=None, description="Name of the support whose points are the columns: at points, or one area."
     )
@@ -80,6 +81,11 @@ class Punching(base.OnPlate):
             if not needed <= len(found := self.present(keys)) <= 1:
                 yield (), f"found {' and '.join(found) or 'none'} of {' and '.join(keys)}; give one."
 
+    @property
+    def columns_name(self) -> str:
+        """Name of the columns without their numbers."""
+        return self.name or self.support or self.load or ""
+
     def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
         """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
         places: list[tuple[Acting, tuple[float, float], int | None]] = []
@@ -94,7 +100,7 @@ class Punching(base.OnPlate):
             elif support.name == self.support:
                 places += [(support, at, index) for at in support.at or ()]
         for point, (acting, at, support_index) in enumerate(places):
-            outline, subject = self._outline(acting, at), f"punching:{self.support or self.load}[{point + 1}]"
+            outline, subject = self._outline(acting, at), f"punching:{self.columns_name}[{point + 1}]"
             yield None if outline is None else ColumnAt(subject, table, point, support_index, at, outline)
 
     def _outline(self, acting: Acting, at: tuple[float, float]) -> Whole | None:

@@ -23,8 +23,8 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
-from signorini.reports.punching import Punched
 from signorini.reports.names import numbered, short
+from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import Envelope
 from signorini.results.load_path import LoadPath

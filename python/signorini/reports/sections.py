@@ -15,8 +15,8 @@ from signorini.base.numbers import in_unit, number
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
-from signorini.reports.punching import Punched, punched
 from signorini.reports.names import numbered, short
+from signorini.reports.punching import Punched, punched
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import PICTURED, Quantity, in_model
 

@@ -601,6 +601,19 @@ def _is_tabled(model: Model, number: Number) -> bool:
     return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
 
 
+def _require_unique(numbers: Sequence[Number], model: Model) -> None:
+    """Raise `InputError` if two numbers have one name, such as those of a support "a[1]" and of point 1 of "a"."""
+    first: dict[str, Number] = {}
+    for one in numbers:
+        if (other := first.setdefault(one.name, one)) is not one:
+            table = {"point": "support", "corner": "support", "station": "strip"}.get(one.home, one.home)
+            index = model.columns[one.owner].table if one.home == "punching" else one.owner
+            why = (
+                f'"{one.name}" is a number of a {other.home} and of another {one.home}. Give one of them another name.'
+            )
+            raise InputError(why, (table, index, "name"))
+
+
 def of_points(support: Support) -> tuple[Quantity, ...]:
     """Quantities of each point of a support at points."""
     turning = OF_TURNING_POINTS * (bool(support.rotational))
@@ -679,6 +692,7 @@ class Catalogue:
                 result += [Number(FIELDS[name], "mean", index, (*path, side), subject) for side in MEAN_SIDES]
         for index, check in enumerate(model.check):
             result += [_of_check(one, check, index, result) for one in OF_CHECKS]
+        _require_unique(result, model)
         return cls(tuple(result))
 
     def __len__(self) -> int:
