@@ -594,7 +594,13 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
     return Number(quantity, "check", index, path, check.name, 0, True, False, check)
 
 
-=======
+def _is_tabled(model: Model, number: Number) -> bool:
+    """Whether a check measures a number that only then has a column; sums of load cases do not have every number."""
+    line = number.what == "closed_part" and model.support[number.owner].along_line
+    missing = bool(model.plates) or line or number.what in _OF_ANSWERS
+    return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
+
+
 def _require_unique(numbers: Sequence[Number], model: Model) -> None:
     """Raise `InputError` if two numbers have one name, such as those of a support "a[1]" and of point 1 of "a"."""
     first: dict[str, Number] = {}
