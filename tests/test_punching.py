@@ -279,6 +279,16 @@ def test_missing_keys_are_those_of_reinforcement():
     assert figures(raft)["punching"][0]["d"] == pytest.approx([0.3 - 0.055, 0.3 - 0.065])
 
 
+def test_columns_of_two_codes_have_different_names():
+    """Numbers with one name are refused, whatever their owners; [[punching]] has a name of its own."""
+    table, american = {"support": "columns", "column": [0.4, 0.4]}, {"code": "ACI 318-19", "d": EN["d"], "fck": 30e3}
+    two = [{**EN, **table}, {**table, **american, "fyk": 500e3}]
+    with pytest.raises(InputError, match=r"punching\[2\].name"):
+        solved(punching=two)
+    result = solved(punching=[two[0], {**two[1], "name": "american"}])
+    assert len({one.name for one in result.punching}) == 2 * len({one.at for one in result.punching})
+
+
 def test_a_slab_with_every_table_of_design(tmp_path):
     """Cases, reinforcement, punching and checks together: keys of results.json, and thresholds of a path."""
     cases = {"G": {"kind": "permanent"}, "Q": {"kind": "variable", "category": "B", "group": "live"}}

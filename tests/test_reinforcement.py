@@ -184,18 +184,21 @@ def test_where_the_minimum_governs_is_flagged_at_probes_and_extremes(several: bo
         "combination": factors,
         "output": {"combinations": "table", "fields": "all", "envelope": ["as_x_bottom"]},
     }
-    model = slab(**changes, probe=[{"at": [[2, 2], [0.2, 2]]}])
+    strip = [{"line": [[0, 2], [4, 2]], "width": 1, "stations": 3}]
+    model = slab(**changes, probe=[{"at": [[2, 2], [0.2, 2]]}], strip=strip)
     if several:
         tables = model.model_dump(exclude_unset=True) | {"plates": {"slab": model.plate.model_dump(exclude_unset=True)}}
-        of_plate = [{**tables[key][0], "plate": "slab"} for key in ("support", "load", "probe")]
-        named = {key: [one] for key, one in zip(("support", "load", "probe"), of_plate, strict=True)}
+        named = {key: [{**tables[key][0], "plate": "slab"}] for key in ("support", "load", "probe", "strip")}
         model = Model(**{key: of for key, of in tables.items() if key != "plate"} | named)
     found = results_json(solve(model))
     light, heavy = found["combinations"]
     assert light["probes"][0]["minimum_governs"] == {"bottom": [True, True], "top": [False, False]}
     assert heavy["probes"][0]["minimum_governs"]["bottom"][0] is False
     assert [one["fields"]["as_x_bottom"]["minimum_governs"] for one in (light, heavy)] == [True, False]
+    assert light["strips"][0]["stations"][1]["minimum_governs"] == {"bottom": True, "top": False}
+    assert heavy["strips"][0]["stations"][1]["minimum_governs"] == {"bottom": False, "top": False}
     envelope = found["envelope"]
+    assert envelope["strips"][0]["stations"][1]["as"]["bottom"]["minimum_governs"] is False
     assert [one["as_x_bottom"]["minimum_governs"] for one in envelope["probes"]] == [False, True]
     assert envelope["fields"]["as_x_bottom"]["minimum_governs"] is False
 

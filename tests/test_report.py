@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import zlib
 from collections.abc import Iterator, Mapping
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from test_spreadsheet import read
 import signorini
 from signorini import InputError, Model
 from signorini.analysis.estimate import estimates_of
+from signorini.base.numbers import estimated
 from signorini.cli.commands import app
 from signorini.output.tables import results_json
 from signorini.reports import numbers, page, sections
@@ -131,17 +133,19 @@ def test_results_json_is_embedded(text: str, solved: tuple[signorini.Results, An
 
 def test_numbers_of_the_page_are_those_of_results_json(text: str) -> None:
     found = Parsed(text)
+    numbers = list[float]()
     for one in found.results["combinations"]:
         for support in one["supports"]:
-            assert support["reaction"] in found.values
+            numbers.append(support["reaction"])
             for point in support.get("points", ()):
-                assert {point["reaction"], point["gap"]} <= found.values
-        assert {cut[key] for cut in one["sections"] for key in ("moment", "twist", "shear")} <= found.values
-        assert {at["moment"] for strip in one["strips"] for at in strip["stations"]} <= found.values
-        assert set(one["probes"][0]["moment"]) <= found.values
-        assert {one["certificate"][key] for key in ("penetration", "equilibrium", "balance")} <= found.values
+                numbers += [point["reaction"], point["gap"]]
+        numbers += [cut[key] for cut in one["sections"] for key in ("moment", "twist", "shear")]
+        numbers += [at["moment"] for strip in one["strips"] for at in strip["stations"]]
+        numbers += one["probes"][0]["moment"]
+        numbers += [one["certificate"][key] for key in ("penetration", "equilibrium", "balance")]
     for one in found.results["governing_reactions"]:
-        assert {one["max"], one["min"], *one["max_with"], *one["min_with"]} <= found.values
+        numbers += [one["max"], one["min"], *one["max_with"], *one["min_with"]]
+    assert {float(f"{number:.8g}") for number in numbers} <= found.values
 
 
 def test_names_are_text_and_never_markup(text: str) -> None:
@@ -187,6 +191,17 @@ def test_german(solved: tuple[signorini.Results, Any]) -> None:
     text = page.page(german, None, "")
     assert "Auflagerkräfte" in text and "Bemessungsmoment in x unten" in text
     assert "Reactions" not in text and "Governing combination" not in text
+
+
+def test_messages_of_the_program_are_marked_as_english_in_a_german_report() -> None:
+    feet = [{"name": "feet", "at": [[1, 1], [5, 1], [3, 3]], "resists": "down"}]
+    rows = [{"name": name, "factors": {"G": factor}} for name, factor in (("down", 1), ("lift", -1))]
+    results = signorini.solve(slab(support=feet, combination=rows, report={"language": "de"}))
+    text = unescape(page.page(results, None, ""))
+    said = next(iter(results.unbalanced.values()))
+    (shown,) = (line for line in text.splitlines() if said in line and line.startswith("<p"))
+    assert 'lang="en"' in shown and "auf Englisch" in text
+    assert all('lang="en"' in line for line in text.splitlines() if line.startswith('<p class="warning"'))
 
 
 def test_every_text_is_in_both_languages() -> None:
@@ -260,6 +275,17 @@ def test_a_punching_sheet_has_all_numbers_of_the_governing_row_of_a_table() -> N
             assert drawn == pytest.approx(found[kind], rel=2e-3)
     assert [len(one.lines["dead"]) for one in of.punched] == [2, 0]
     assert "<svg" in page.page(of.results, None, "")
+
+
+def test_a_punching_sheet_by_aci_gives_the_stress_from_its_numbers() -> None:
+    table = {"support": "feet", "column": [0.3, 0.4], "code": "ACI 318-19", "d": [0.16, 0.15], "fck": 3e4, "fyk": 4.2e5}
+    model = slab(punching=[table], mesh={"size": 0.5})
+    for block in numbers.punching(contents((signorini.solve(model), None))):
+        if isinstance(block, Table):
+            found = {row[0].text: row[2].value for row in block.rows}
+            parts = [found[f"γv,{n}"] * found[f"M,{n}"] * found[f"c,{n}"] / found[f"Jc,{n}"] for n in "12"]
+            mean = (found["V"] - found["ΔV"]) / (found["bo"] * found["d"])
+            assert found["vu"] == pytest.approx(mean + sum(parts), rel=1e-6)
 
 
 def test_many_combinations_are_folded_and_counted() -> None:
@@ -385,6 +411,26 @@ def test_tables_sort_and_filter_by_mouse_and_keyboard(browser: Any, file: Path) 
     page.keyboard.type("feet SLS")
     shown = "t => [...t.tBodies[0].rows].filter(r => !r.hidden).map(r => r.cells[1].textContent)"
     assert table.evaluate(shown) == ["feet"]
+
+
+def test_a_diagram_shows_values_with_half_widths_by_pointer_and_keyboard(browser: Any, file: Path, text: str) -> None:
+    shown = Opened(browser, file)
+    stages, values = shown.page.locator(".diagram .stage"), Parsed(text).results["combinations"]
+    assert stages.evaluate_all("all => all.map(one => one.getAttribute('aria-label'))") == [
+        *("Section cut", "Strip middle [m]", "Profile axis [m]", "Support wall [m]")
+    ]
+    strip, at = stages.nth(1), values[0]["strips"][0]["stations"][10]
+    box = strip.locator("svg").bounding_box()
+    strip.hover(position={"x": box["width"] * (82 + 0.5 * (720 - 94)) / 720, "y": 40})
+    said, width = strip.get_attribute("aria-valuetext"), values[0]["plus_minus"]["strips"][0]["stations"][10]["moment"]
+    assert said.startswith("3 m: Moment") and f"{BAD} {estimated(at['moment'], width)}" in said
+    strip.focus()
+    shown.page.keyboard.press("ArrowRight")
+    shown.page.keyboard.press("ArrowDown")
+    shown.page.keyboard.press("ArrowDown")
+    shown.page.keyboard.press("ArrowLeft")
+    assert strip.get_attribute("aria-valuetext").startswith("3 m: Shear")
+    assert strip.locator(".tip").is_visible() and shown.errors == []
 
 
 def test_paper_has_every_folded_table_and_a_picture_of_every_field(browser: Any, file: Path) -> None:

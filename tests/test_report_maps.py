@@ -230,6 +230,40 @@ def test_controls(opened: Opened, slab: Results) -> None:
     assert shown.js("return v.view.scale") == pytest.approx(whole)
 
 
+@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("name", ["flange_pair", "slab_by_en1990", "yielding_footing"])
+def test_every_option_shows_what_it_says(opened: Opened, name: str, width: int) -> None:
+    model = load(EXAMPLES / f"{name}.toml")
+    grows = name == "yielding_footing"
+    shown = opened(map_data(signorini.path(model, start="G", add="W") if grows else signorini.solve(model)), width)
+    page = shown.page
+    state, field = page.get_by_label("Combination"), page.get_by_label("Field")
+    for row in [*range(0, state.locator("option").count(), 6)]:
+        state.select_option(str(row))
+        page.wait_for_function(f"() => {{ {WHOLE} return v.at.state === {row} }}")
+        for option in field.locator("option:enabled").all()[:: 1 if row == 0 else 9]:
+            field.select_option(option.get_attribute("value"))
+            page.wait_for_function(
+                f"(field) => {{ {WHOLE} return v.at.field === field }}", arg=option.get_attribute("value")
+            )
+            legend = page.inner_text(".legend .title")
+            assert option.inner_text() in legend and state.locator("option").nth(row).inner_text() in legend
+            inside = (
+                "const box = v.legend.getBoundingClientRect(), ticks = [...v.legend.querySelectorAll('.ticks span')];"
+            )
+            inside += "return ticks.map((one) => one.getBoundingClientRect()).every((one) => !one.width "
+            assert shown.js(f"{inside} || (one.left > box.left - 1 && one.right < box.right + 1))")
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+    if grows:
+        slider, text = page.get_by_label("Load factor"), page.locator(".slider output").first
+        box, beside = slider.bounding_box(), text.bounding_box()
+        assert box["width"] > 100 and (beside["x"] >= box["x"] + box["width"] or beside["y"] >= box["y"] + 10)
+        for key, value in (("Home", "0"), ("End", f"{float(signorini.path(model, start='G', add='W').end):.6g}")):
+            slider.press(key)
+            page.wait_for_function(f"() => {{ {WHOLE} return v.nameOf(v.state).startsWith('t = {value}') }}")
+            assert text.inner_text().startswith(f"t = {value}")
+
+
 def test_keyboard(opened: Opened, slab: Results) -> None:
     shown = opened(map_data(slab))
     page = shown.page
@@ -267,6 +301,7 @@ def test_the_deformed_view_turns(opened: Opened, slab: Results) -> None:
     page.mouse.up()
     turned = shown.js("return v.angles")
     assert turned["around"] != angles["around"] and turned["up"] != angles["up"]
+    assert shown.js("return v.fine([5, 5, 11, 5]).length") > 20  # a line follows the deformed plate
     x, y = shown.js(
         "const w = v.plate.at(v.plate.locate(5, 8), v.deflection); return v.unproject(...v.project(5, 8, w))"
     )
@@ -302,21 +337,15 @@ def test_without_webgl_the_canvas_is_used(browser: Any, tmp_path: Path, footing:
     context.close()
 
 
-def test_print_has_pictures(opened: Opened, slab: Results) -> None:
+def test_a_printed_map_has_its_proportions(opened: Opened, slab: Results) -> None:
     shown = opened(map_data(slab))
-    shown.js("await signorini.maps.freeze(['deflection', 'mx', 'my'])")
-    pictures = shown.js(
-        "return [...v.root.querySelectorAll('img.picture')].map((i) => [i.alt, i.complete, i.naturalWidth])"
-    )
-    assert [alt.partition(" [")[0] for alt, *_ in pictures] == ["deflection, positive down", "moment mx", "moment my"]
-    assert all(complete and width > 1500 for _, complete, width in pictures)
     shown.page.emulate_media(media="print")
+    shown.page.set_viewport_size({"width": 700, "height": 1000})
     assert not shown.page.locator(".controls").is_visible()
+    shape = "return [v.canvas.clientHeight / v.canvas.clientWidth, v.canvas.height / v.canvas.width]"
+    shown_shape, own_shape = shown.js(shape)
+    assert shown_shape == pytest.approx(own_shape, rel=0.01)
     assert len(shown.page.pdf()) > 20_000
-    shown.js("signorini.maps.thaw()")
-    assert shown.js("return v.root.querySelector('img.picture')") is None
-    shown.js("window.dispatchEvent(new Event('beforeprint'))")
-    assert shown.js("return v.root.querySelectorAll('img.picture').length") == 1
 
 
 def test_several_plates(opened: Opened) -> None:
@@ -426,6 +455,19 @@ def test_a_model_without_equilibrium_has_no_map() -> None:
     assert [one["name"] for one in map_data(results).header["states"]] == ["G"]
     with pytest.raises(InputError, match="equilibrium"):
         map_data(results["G + W"])
+
+
+def test_equal_arrays_are_stored_once_and_keep_their_values(opened: Opened) -> None:
+    feet = {"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}
+    combinations = [{"name": f"{factor}", "factors": {"G": factor}} for factor in (1, 10)]
+    model = rectangular(support=[feet], load=[{"case": "G", "pressure": 1e3}], combination=combinations)
+    shown = opened(map_data(signorini.solve(model)))
+    blobs, values = [], []
+    for name in ("1", "10"):
+        shown.show(state=shown.state(name), field="deflection")
+        blobs.append([layer["blob"] for layer in shown.about("deflection", shown.state(name))["layers"]])
+        values.append(shown.js("return v.value(2, 1.5).value"))
+    assert blobs[0] == blobs[1] and values[1] == pytest.approx(10 * values[0])
 
 
 def test_header_is_json(slab: Results) -> None:

@@ -42,7 +42,8 @@ def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
     if model.check and (catalogue := catalogue_of(discretisation, with_extremes(model))) and model.tabulated:
-        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
+        advice = 'It needs the whole answer of each combination: give output.combinations = "each".'
+        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check, advice=advice)
 
 
 def check_results(results: Results, estimates: Estimates | None = None) -> tuple[CheckResult, ...]:
@@ -74,7 +75,8 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     known = [(float(values[place]), int(by[place])) for values, by in ends if by[place] != NONE]
     if check.of == OVERTURNING and missing:
         # Its utilisation exceeds 1 where the plate has no equilibrium.
-        factors = load_factors(results.discretisation, [combinations[row] for row in missing], check.grows)
+        growing = check.growing(results.model.cases)
+        factors = load_factors(results.discretisation, [combinations[row] for row in missing], growing)
         with np.errstate(divide="ignore"):
             known += zip((1.0 / factors).tolist(), missing, strict=True)
     used = [float(check.used(np.array(value))) for value, _ in known]

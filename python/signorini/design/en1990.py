@@ -98,7 +98,7 @@ def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI
     for label, leading, others, reduced in EXPRESSIONS[name]:
         unfavourable, *favourable = factors["permanent"]
         permanent = (xi * unfavourable if reduced else unfavourable, *favourable)
-        always = {"permanent": Factor(permanent), "preload": Factor(factors["preload"]), **event}
+        always = {"permanent": Factor(permanent), "preload": Factor(factors["preload"])} | event
         values, needs = factors["variable"], next(iter(event), "")
         if leading is None:
             yield Rule(label, {**always, "variable": Factor(values, others)}, needs=needs)

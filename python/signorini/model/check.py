@@ -10,7 +10,9 @@ import numpy.typing as npt
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import unknown
+from signorini.expression import LEAST
 from signorini.model import base
+from signorini.model.cases import Cases, growing_in
 from signorini.model.combination import Combination, Combinations
 from signorini.model.problems import as_list
 
@@ -47,19 +49,18 @@ class Check(base.Named):
     grows: tuple[base.Text, ...] = Field(
         default=(),
         description="For overturning: load cases that are multiplied by λ until equilibrium ends; the other cases "
-        "stay. The value is 1/λ.",
+        "stay. The value is 1/λ. Default with [cases]: all but permanent cases and preloads.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        if self.of == OVERTURNING:
-            if not self.grows:
-                yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
-        elif self.grows:
+        if self.of != OVERTURNING and self.grows:
             yield ("grows",), f'only a check of "{OVERTURNING}" has growing load cases. Remove grows.'
-        elif self.limit is None:
+        if self.of != OVERTURNING and self.limit is None:
             yield ("limit",), "it is missing. Give the largest allowed value."
         if self.limit is not None and not self.limit[0] < 0.0 < self.limit[1]:
             yield ("limit",), "it must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
+        if self.limit is not None and min(map(abs, self.limit)) < LEAST:
+            yield ("limit",), f"found {min(self.limit, key=abs):g}; it must be at least {LEAST:g} in size."
         if self.combinations and self.group:
             yield ("group",), "found combinations and group; give one of them."
 
@@ -85,8 +86,16 @@ class Check(base.Named):
         """Whether a combination is checked."""
         return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))
 
-    def complaints_of(self, cases: Sequence[str], combinations: Combinations) -> Iterator[base.Complaint]:
+    def growing(self, described: Cases) -> tuple[str, ...]:
+        """Load cases that grow until the plate overturns, by default those of [cases] that vary."""
+        return self.grows or growing_in(described)
+
+    def complaints_of(
+        self, cases: Sequence[str], combinations: Combinations, described: Cases
+    ) -> Iterator[base.Complaint]:
         """Yield the problems with the load cases and combinations of the model; places are relative to this table."""
+        if self.of == OVERTURNING and not self.growing(described):
+            yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
         for position, case in enumerate(self.grows):
             if case not in cases:
                 yield ("grows", position), unknown("load case", case, cases)

@@ -16,8 +16,10 @@ from signorini.model.where import Acting
 from signorini.shapes import Hollow, Whole
 
 EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
-_STRENGTHS = (5.0, 120.0)
-"""Smallest and largest fck in MPa; another one is in the wrong unit."""
+_RANGES = {"fck": (5.0, 120.0), "fyk": (200.0, 1000.0)}
+"""Smallest and largest strength in MPa; another one is in the wrong unit."""
+_MOST_STEEL = 0.1
+"""Largest ratio of reinforcement; a larger one is in per cent."""
 
 
 Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
@@ -34,9 +36,10 @@ class ColumnAt(NamedTuple):
     outline: Whole
 
 
-class Punching(base.OnPlate):
+class Punching(base.OnPlate, base.Named):
     """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
 
+    name: base.Text = Field(default="", description="Name of the columns; default that of the support or load case.")
     support: base.Text | None = Field(
         default=None, description="Name of the support whose points are the columns: at points, or one area."
     )
@@ -80,6 +83,11 @@ class Punching(base.OnPlate):
             if not needed <= len(found := self.present(keys)) <= 1:
                 yield (), f"found {' and '.join(found) or 'none'} of {' and '.join(keys)}; give one."
 
+    @property
+    def columns_name(self) -> str:
+        """Name of the columns without their numbers."""
+        return self.name or self.support or self.load or ""
+
     def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
         """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
         places: list[tuple[Acting, tuple[float, float], int | None]] = []
@@ -94,7 +102,7 @@ class Punching(base.OnPlate):
             elif support.name == self.support:
                 places += [(support, at, index) for at in support.at or ()]
         for point, (acting, at, support_index) in enumerate(places):
-            outline, subject = self._outline(acting, at), f"punching:{self.support or self.load}[{point + 1}]"
+            outline, subject = self._outline(acting, at), f"punching:{self.columns_name}[{point + 1}]"
             yield None if outline is None else ColumnAt(subject, table, point, support_index, at, outline)
 
     def _outline(self, acting: Acting, at: tuple[float, float]) -> Whole | None:
@@ -130,11 +138,16 @@ class Punching(base.OnPlate):
             if unit not in known:
                 yield (), f"{self.code} needs a known unit of {key} in units; found {unit!r} of {', '.join(known)}."
                 return
-        if self.fck is None:
-            return
         unit, pascals = f"{units.force}/{units.length}²", NEWTONS[units.force] / METRES[units.length] ** 2
-        if not _STRENGTHS[0] <= (strength := self.fck * pascals * 1e-6) <= _STRENGTHS[1]:
-            yield ("fck",), f"found {self.fck:g} {unit}, which is {strength:.3g} MPa; give 5 to 120 MPa in {unit}."
+        for key, (least, most) in _RANGES.items():
+            value = getattr(self, key)
+            if value is not None and not least <= (strength := value * pascals * 1e-6) <= most:
+                why = f"found {value:g} {unit}, which is {strength:.3g} MPa; give {least:g} to {most:g} MPa in {unit}."
+                yield (key,), why
+        if self.rho is not None and max(self.rho) > _MOST_STEEL:
+            yield ("rho",), f"found {max(self.rho):g}; a ratio is at most {_MOST_STEEL:g}, 0.6 % is 0.006."
+        if isinstance(self.beta, float) and self.beta < 1.0:
+            yield ("beta",), f"found {self.beta:g}; β is the largest shear stress over its mean, at least 1."
 
 
 def columns_of(tables: Sequence[Punching], supports: Sequence[Support], loads: Sequence[Load]) -> tuple[ColumnAt, ...]:

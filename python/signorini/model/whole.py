@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -246,7 +247,10 @@ class Model(Table):
         >>> model.to_toml().splitlines()[8:12]
         ['[plate]', 'thickness = "0.2 + 0.01*x"', 'shape = "disc"', 'radius = 2.0']
         """
-        return tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
+        text = tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
+        # Arrays without tables in one line each; no string of tomli_w has a line break.
+        text = re.sub(r"(?<!}),\n *\]", "]", text)
+        return re.sub(r"(\[|, ?)\n +(?=[^ {])", lambda match: match[1].rstrip() + " " * (match[1] != "["), text)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Copy the model; with ``update``, the copy has no input file and recomputes the combinations."""
@@ -447,7 +451,7 @@ class Model(Table):
             yield from ((("punching", index, *path), message) for path, message in complaints)
         cases = tuple(dict.fromkeys([*(load.case for load in self.load), *self.positions]))
         for index, check in enumerate(self.check):
-            complaints = check.complaints_of(cases, self.effective_combinations)
+            complaints = check.complaints_of(cases, self.effective_combinations, self.cases)
             yield from ((("check", index, *path), message) for path, message in complaints)
         yield from self._reinforcement_complaints()
 

@@ -24,7 +24,8 @@ from signorini.results.checks import utilisations
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.extremes import least_at
 from signorini.results.figures import columns_named, with_widths
-from signorini.results.quantities import ENDS, REINFORCEMENT, SIDES, Number, Path, Quantity, place_of
+from signorini.results.local_results import least_along
+from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, rows_too_thin, too_far
 from signorini.singularities.beside import beside_of
 from signorini.singularities.named import excluding, singularities
@@ -177,7 +178,7 @@ class _Shown:
             if one.home in ("field", "mean"):
                 place = envelope.places[one.owner, ENDS.index(side)].tolist()
                 at[f"{side}_at"] = None if row == NONE else place
-            if one.quantity.name in REINFORCEMENT and side == "max":
+            if one.quantity.kind == "reinforcement" and one.home != "mean" and side == "max":
                 at["minimum_governs"] = None if row == NONE else _is_least(results, one, value, place)
             if one.home == "mean":
                 of = excluding(results.discretisation, one.quantity.singular, cases)
@@ -219,12 +220,18 @@ class _Shown:
 
 
 def _is_least(results: Results, one: Number, area: float, place: Sequence[float]) -> bool:
-    """Whether an area of bars at a node's ``place``, or at a probe, is the minimum."""
+    """Whether an area of bars at a node's ``place``, at a probe or at a station of a strip is the minimum."""
     found, name, bars = results.discretisation, one.quantity.name, results.model.bars
     assert bars is not None  # There are no areas of bars without [reinforcement].
     if one.home == "field":
         return least_at(name, area, place, bars, found.stress_nodes, found.node_thickness)
-    return bool(bars.are_least(name, area, _at_probes(found)[one.owner]))
+    if one.home == "probe":
+        return bool(bars.are_least(name, area, _at_probes(found)[one.owner]))
+    member = next(plate for plate in found.members if one.owner in plate.numbers["strip"])
+    own = member.numbers["strip"].index(one.owner)
+    counts = [strip.stations for strip in member.own.model.strip]
+    every = [area] * sum(counts)
+    return bool(least_along(member.own, name.removeprefix("as_"), every)[sum(counts[:own]) + one.part])
 
 
 @kept

@@ -28,12 +28,13 @@ class Blobs:
     """Deflated arrays up to ``room`` bytes of base64; ``places`` are their offsets and lengths in ``content``.
 
     Each begins at a multiple of three bytes, so that base64 can be sliced. Differences are stored as zigzag codes, low
-    bytes before high bytes: half the size of deflated values.
+    bytes before high bytes: half the size of deflated values. Equal arrays are stored once.
     """
 
     room: int
     content: bytearray = field(default_factory=bytearray)
     places: list[tuple[int, int]] = field(default_factory=list)
+    _known: dict[bytes, int] = field(default_factory=dict)
 
     def add(self, differences: Ints, wide: bool = False) -> int | None:
         """Store differences as integers of 16 or 32 bits; return the number of the blob, None if there is no room."""
@@ -42,11 +43,13 @@ class Blobs:
         codes = ((signed << 1) ^ (signed >> bits - 1)).astype(whole)
         planes = codes.view(np.uint8).reshape(-1, codes.itemsize).T
         deflated = zlib.compress(np.ascontiguousarray(planes).tobytes(), _LEVEL)
-        if (len(self.content) + len(deflated)) * 4 > 3 * self.room:
-            return None
-        self.places.append((len(self.content), len(deflated)))
-        self.content += deflated + bytes(-len(deflated) % 3)
-        return len(self.places) - 1
+        if deflated not in self._known:
+            if (len(self.content) + len(deflated)) * 4 > 3 * self.room:
+                return None
+            self._known[deflated] = len(self.places)
+            self.places.append((len(self.content), len(deflated)))
+            self.content += deflated + bytes(-len(deflated) % 3)
+        return self._known[deflated]
 
 
 @dataclass(frozen=True, eq=False)

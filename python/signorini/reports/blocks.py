@@ -10,6 +10,8 @@ from functools import cache
 from importlib import resources
 from typing import Any, ClassVar, Literal
 
+from markupsafe import Markup
+
 from signorini.base.numbers import estimated, in_unit, number
 from signorini.base.units import steel_unit
 from signorini.discretise.rows import Floats
@@ -33,13 +35,17 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with a caption, titles of columns, and rows of cells; the first column names the row."""
+    """A table with a caption, titles of columns, and rows of cells; the first column names the row.
+
+    The rows of an ``english`` table are messages of the program, as are the words of an ``english`` text.
+    """
 
     block: ClassVar[str] = "table"
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     open: bool = False
+    english: bool = False
 
     @property
     def folded(self) -> bool:
@@ -59,6 +65,7 @@ class Text:
     block: ClassVar[str] = "text"
     words: str
     kind: Literal["plain", "heading", "good", "bad", "warning", "verbatim"] = "plain"
+    english: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,14 +94,23 @@ class Label:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawing as SVG with a caption: size, paths with their kinds, labels; a diagram has ``data`` for the pointer."""
+    """A drawing as SVG with a caption: size, paths with their kinds, labels; ``legend`` has kinds and texts.
+
+    A diagram has ``data`` for the pointer.
+    """
 
     block: ClassVar[str] = "drawing"
     words: str
     size: tuple[float, float]
     paths: Sequence[tuple[str, str]]
-    labels: Sequence[Label]
+    labels: Sequence[Label] = ()
     data: str = ""
+    legend: Sequence[tuple[str, str]] = ()
+
+    @property
+    def script(self) -> Markup:
+        """Content of the script element with the data."""
+        return Markup(for_script(self.data))
 
     @property
     def kind(self) -> str:
@@ -125,6 +141,13 @@ class Section:
 
     key: str
     blocks: Sequence[Block]
+
+
+def for_script(data: str) -> str:
+    """JSON for a script element: no text in it can end the element."""
+    for letter in "<>&\u2028\u2029":
+        data = data.replace(letter, f"\\u{ord(letter):04x}")
+    return data
 
 
 def svg_path(points: Floats) -> str:

@@ -23,12 +23,12 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
 from signorini.model import Model
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
-from signorini.reports.blocks import shown_in
+from signorini.reports.blocks import for_script, shown_in
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.envelope import Envelope
+from signorini.results.envelope import NONE, Envelope
 from signorini.results.load_path import LoadPath
 from signorini.results.marks import drawn, extreme, panel
 from signorini.results.quantities import DESIGN_MOMENTS, FIELDS, PICTURED, PRESSURE, REINFORCEMENT, SIDES, on_plate
@@ -39,6 +39,10 @@ BUDGET = 1_500_000
 """Largest size of a viewer's arrays in the page [bytes]."""
 MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
+_BY_WEIGHT = tuple(
+    sorted(PICTURED, key=lambda name: 2 * name.startswith("rotation") - (PICTURED[name].kind == "reinforcement"))
+)
+"""Fields in the order in which they are stored: required reinforcement first, rotations last."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
 _MOST_NAMES = 500
@@ -246,7 +250,7 @@ def map_data(
             continue
         about = state.describe(of.plate, name)
         stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
-    kept = [name for name in fields if any(name in of for row in stored for of in row)]
+    kept = [name for name in PICTURED if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
         "length": units.length,
@@ -371,7 +375,11 @@ class _Plate:
             if layer.by is not None:
                 rows, numbers = np.unique(layer.by, return_inverse=True)
                 by = self.blobs.add(self.grid.at_nodes(numbers)) if len(rows) <= _MOST_NAMES else None
-                about |= {} if by is None else {"by": by, "names": [layer.key(row) for row in rows.tolist()]}
+                about |= (
+                    {}
+                    if by is None
+                    else {"by": by, "names": ["" if row == NONE else layer.key(row) for row in rows.tolist()]}
+                )
             if blob is None or any(area["on"] is None for area in self.header["areas"].values()):
                 return None
             result.append(about)
@@ -398,9 +406,7 @@ def map_html(data: MapData, element_id: str, language: str = "en", texts: Mappin
     ``texts`` replaces texts of the ``language`` in ``assets/maps.json``, and words of fields by their names.
     """
     known = json.loads(_asset("maps.json"))[language] | dict(texts or {})
-    header = json.dumps(data.header | {"texts": known}, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&":
-        header = header.replace(letter, f"\\u{ord(letter):04x}")
+    header = for_script(json.dumps(data.header | {"texts": known}, allow_nan=False, separators=(",", ":")))
     return (
         f'<div class="signorini-map" id="{html.escape(element_id)}">'
         f'<script type="application/json">{header}</script>'

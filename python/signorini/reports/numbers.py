@@ -8,11 +8,15 @@ from itertools import islice
 from operator import itemgetter
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from signorini.analysis.checks import judged
 from signorini.analysis.results import Results
+from signorini.output.by_combination import by_combination
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
-from signorini.reports.blocks import Block, Cell, Map, Table, Text, found, solved
+from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
+from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
@@ -138,8 +142,9 @@ def summary(of: Contents) -> Iterator[Block]:
     yield Text(write("certified", count=count, all=len(of.results)), "good" if passed and not failed else "plain")
     if failed:
         yield Text(write("unbalanced", count=failed), "bad")
+        yield from _in_english(write)
         for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
-            yield Text(f"{of.code(name)}: {message}", "bad")
+            yield Text(f"{of.code(name)}: {message}", "bad", english=True)
     rows = []
     for one in checks:
         quantity = of.checked(one.of) or Quantity("", "part")
@@ -155,6 +160,12 @@ def extreme_results(of: Contents) -> Iterator[Block]:
     """Yield the extreme deflections, reactions and pressures."""
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Table(of.write("extremes"), head, [*_field_rows(of, ["deflection"]), *_reaction_rows(of)])
+
+
+def _in_english(write: Writer) -> Iterator[Text]:
+    """Yield the sentence that messages of the program are English, in reports in another language."""
+    if write.language != "en":
+        yield Text(write("in_english"))
 
 
 def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
@@ -182,10 +193,10 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
-        told = [(one, own) for one in solved(of.values) if (own := _supports(one, index)) and own["max_pressure"]]
+        told = [(one, own) for one in solved(of.values) if (own := _supports(of, one, index)) and own["max_pressure"]]
         if told:
             one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
-            width = _width(one["plus_minus"], *_place(one, index), "max_pressure")
+            width = _width(one["plus_minus"], *of.place_of(index), "max_pressure")
             words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
             value = write.number(own["max_pressure"], width)
             yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
@@ -201,14 +212,8 @@ def _bearing(one: Mapping[str, Any]) -> str:
     return f"{one['support']}[{one['point']}]" if one["point"] else str(one["support"])
 
 
-def _place(one: Mapping[str, Any], index: int) -> tuple[str, int]:
-    """Keys of support number ``index`` in a combination: contacts follow supports."""
-    count = len(one["supports"])
-    return ("supports", index) if index < count else ("contacts", index - count)
-
-
-def _supports(one: Mapping[str, Any], index: int) -> Any:
-    return found(one, *_place(one, index))
+def _supports(of: Contents, one: Mapping[str, Any], index: int) -> Any:
+    return found(one, *of.place_of(index))
 
 
 def equilibrium(of: Contents) -> Iterator[Block]:
@@ -221,7 +226,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
             of.results.model.effective_combinations[of.results.number_of(one["name"])]
         ).weighing
         load = float((discretisation.rigid_motions.T @ weighing).reshape(-1, 3)[:, 0].sum())
-        own = [_supports(one, index)["reaction"] for index, inner in enumerate(between) if not inner]
+        own = [_supports(of, one, index)["reaction"] for index, inner in enumerate(between) if not inner]
         size = max(abs(load), *map(abs, own), float(abs(weighing).sum()))
         numbers = (load, sum(own), sum(own) - load)
         rows.append([Cell(of.code(one["name"])), *(write.number(value, size=size) for value in numbers)])
@@ -246,7 +251,7 @@ def reactions(of: Contents) -> Iterator[Block]:
     rows, points = [], []
     for one in solved(of.values):
         for index in range(len(of.results.model.support)):
-            own, keys = _supports(one, index), _place(one, index)
+            own, keys = _supports(of, one, index), of.place_of(index)
             cells = [Cell(of.code(one["name"])), Cell(own["name"]), Cell(own["kind"])]
             cells += [write.number(own["reaction"], _width(one["plus_minus"], *keys, "reaction"), largest)]
             cells += [write.number(own["closed_part"])]
@@ -284,6 +289,29 @@ def reactions(of: Contents) -> Iterator[Block]:
             [*head, *(names[at] for at in columns)],
             rows,
         )
+    yield from _by_combination(of)
+
+
+def _by_combination(of: Contents) -> Iterator[Block]:
+    """Yield the numbers of areas, and the utilisations of checks and columns, in every combination."""
+    write, model = of.write, of.results.model
+    areas = {support.name for support in model.support if support.area is not None}
+    numbers = [pair for pair in by_combination(of.results) if pair[0].home != "support" or pair[0].subject in areas]
+    for first in range(0, len(numbers), _ACROSS):
+        some = numbers[first : first + _ACROSS]
+        sizes = [float(np.nanmax(np.abs(values), initial=0.0)) for _, values in some]
+        rows = [
+            [
+                Cell(of.short(one.name)),
+                *(
+                    write.number(None if np.isnan(own[row]) else float(own[row]), size=size)
+                    for (_, own), size in zip(some, sizes, strict=True)
+                ),
+            ]
+            for row, one in enumerate(model.effective_combinations)
+        ]
+        head = [write("combination"), *(f"{one.subject}: {write.label(one.quantity)}" for one, _ in some)]
+        yield Table(_part(write("by_combination"), first, len(numbers)), head, rows)
 
 
 def fields(of: Contents) -> Iterator[Block]:
@@ -341,8 +369,8 @@ def cuts(of: Contents) -> Iterator[Block]:
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
-            if (wall := _supports(one, index)).get("max_per_length") is not None:
-                owner = _place(one, index)
+            if (wall := _supports(of, one, index)).get("max_per_length") is not None:
+                owner = of.place_of(index)
                 ends = (write.number(wall[each.name], _width(told, *owner, each.name)) for each in OF_LINES)
                 corners = "; ".join(
                     f"{write.place(c['at']).text}: {write.number(c['reaction']).text}" for c in wall["corners"]
@@ -355,8 +383,7 @@ def cuts(of: Contents) -> Iterator[Block]:
     yield Table(write("strips"), [*head, *map(write.label, means)], strips)
     head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
     yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
-    yield from pictures.of_profiles(of.results, write)
-    yield from pictures.of_reactions(of.results, of.estimates)
+    yield from diagrams(of)
 
 
 def load_path(of: Contents) -> Iterator[Block]:
@@ -366,7 +393,9 @@ def load_path(of: Contents) -> Iterator[Block]:
     write, path = of.write, path_json(of.along)
     yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
     ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(f"{ending[:-1]}: {path['mechanism']}." if path["mechanism"] else ending)
+    yield Text(ending)
+    if path["mechanism"]:
+        yield Text(path["mechanism"], english=True)
     yield pictures.of_path(of.along, write)
     yield _map(of, of.along, "map-path")
     rows = [
@@ -401,9 +430,11 @@ def warnings(of: Contents) -> Iterator[Block]:
     if not of.values["warnings"]:
         yield Text(of.write("no_warnings"))
     singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    if of.values["warnings"] or singular:
+        yield from _in_english(of.write)
     rows = [
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()
     ]
     head = [of.write("place"), of.write("without_limit"), of.write.titled("within", "deflection"), of.write("advice")]
-    yield Table(of.write("singular"), head, rows)
+    yield Table(of.write("singular"), head, rows, english=True)

@@ -253,7 +253,8 @@ def _printed(page: Path, browser: str) -> Path:
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "report.pdf"
         options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile"]
-        options += ["--virtual-time-budget=20000", f"--print-to-pdf={made}"]
+        # Tags of every cell would be a third of the file; the page itself is the version for screen readers.
+        options += ["--disable-pdf-tagging", "--virtual-time-budget=20000", f"--print-to-pdf={made}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.append("--no-sandbox")  # Chromium has no sandbox for root
         try:

@@ -14,29 +14,29 @@ from signorini.analysis.results import Results
 from signorini.design import aci318, en1992_punching
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError
-from signorini.reports.blocks import Cell, Drawing, Label, Writer, svg_path
+from signorini.reports.blocks import Cell, Drawing, Writer, svg_path
 from signorini.results.envelope import NONE
 from signorini.results.punching import ColumnResult
 from signorini.results.quantities import OF_COLUMNS
 
 _FORMULAS = {
     "EN 1992-1-1:2004": {
-        "beta": "given, or 1 + Σ k u1/W1 · e, e = M/|V − ΔV|; inward of an edge u1/u1* + k* u1/W1,2 · e2",
+        "beta": "1 + Σ k u1/W1 · e, e = M/|V − ΔV|; u1/u1* + k* u1/W1,2 · e2",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
         "v_ed_face": "β · V / (u0 · d)",
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
         "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
-        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) where vEd > vRd,c, else 0",
+        "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) ≥ 0 if vEd > vRd,c",
         "uout": "vEd · u1 / vRd,c",
-        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max)",
+        "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max); 6.4.3(2)",
     },
     "ACI 318-19": {
-        "beta": "vu / mean, mean = |V − ΔV| / (bo d)",
-        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc, or β given · |V − ΔV| / (bo d)",
+        "beta": "vu / (|V − ΔV| / (bo d))",
+        "v_ed": "|V − ΔV| / (bo d) + Σ γv M c / Jc",
         "v_ed_face": "V / (u0 · d)",
         "v_rd_c": "φ · min(0.33, 0.17 (1 + 2/βc), 0.083 (2 + αs d/bo)) · λs √f'c in MPa",
         "v_rd_max": "φ 0.5 √f'c",
-        "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) where vu > φ vc, else 0; fyt ≤ 420 MPa",
+        "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) ≥ 0 if vu > φ vc; fyt ≤ 420 MPa",
         "uout": "vu · bo / (φ 0.17 λs √f'c)",
         "utilisation": "vu / (φ vc)",
     },
@@ -148,7 +148,8 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
         yield row(symbol, "ratio", rho, 0, 0, given)
     for symbol, strength in zip(("fck", "fyk") if eurocode else ("f'c", "fyt"), (check.fck, check.fyk), strict=True):
         yield row(symbol, "strength", strength, 1, -2, given)
-    helping = [row(*each) for each in (_eurocode(one, check) if eurocode else _aci(check))]
+    helpers = _eurocode(one, check) if isinstance(check, en1992_punching.Punching) else _aci(one, check)
+    helping = [row(*each) for each in helpers]
     for quantity in OF_COLUMNS:
         if quantity.name == "beta":
             yield from helping
@@ -199,20 +200,29 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
     yield "fywd,ef", "effective", effective, 1, -2, "= 250 + 0.25 d ≤ fyk/1.15 in MPa and mm; 6.4.5(1)"
 
 
-def _aci(check: aci318.Punching) -> _Help:
+def _aci(one: Punched, check: aci318.Punching) -> _Help:
     pieces, normals, column = check.basic.pieces, check.basic.normals, check.plan.column
     axis = normals[0] if normals else column.axis
+    numbers, force, length = one.of.numbers, one.of.column.force, one.of.column.length
+    net = force * (numbers["force"] - numbers["inside"])
+    moment = force * length * complex(numbers["moment_x"], numbers["moment_y"]) * np.sign(net)
+    moment -= abs(net) * (pieces.centroid - column.centre)
     for number, direction in ((1, axis), (2, 1j * axis)) if check.given is None else ():
+        about = (moment * np.conj(direction)).real
         sides = [np.array([side, -side]) for side in (direction, 1j * direction)]
         b1, b2 = (float(pieces.highest(side).sum()) for side in sides)
-        high, low = pieces.highest(sides[0]) + np.array([-1.0, 1.0]) * (pieces.centroid * np.conj(direction)).real
-        yield f"γv{number}", "shear_part", aci318.shear_part(b1, b2), 0, 0, f"8.4.4.2.2, {_along(direction)}"
-        yield f"c{number}", "outermost", max(high, low), 0, 1, "R8.4.4.2.3"
-        yield f"Jc{number}", "inertia", pieces.inertia(direction, check.depth), 0, 4, "R8.4.4.2.3"
+        middle = (pieces.centroid * np.conj(direction)).real
+        outermost = float(
+            pieces.highest(np.array([direction * np.sign(about or 1.0)]))[0] - middle * np.sign(about or 1.0)
+        )
+        yield f"M,{number}", "about_centroid", abs(about), 1, 1, "R8.4.4.2.3"
+        yield f"γv,{number}", "shear_part", aci318.shear_part(b1, b2), 0, 0, f"8.4.4.2.2, {_along(direction)}"
+        yield f"c,{number}", "outermost", outermost, 0, 1, "R8.4.4.2.3"
+        yield f"Jc,{number}", "inertia", pieces.inertia(direction, check.depth), 0, 4, "R8.4.4.2.3"
     if check.given is not None:
         yield "β", "factor", check.given, 0, 0, ""
-    sides = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
-    yield "βc", "side_ratio", sides[1] / sides[0], 0, 0, "22.6.5.2"
+    short, long = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
+    yield "βc", "side_ratio", long / short, 0, 0, "22.6.5.2"
     yield "αs", "place_factor", {0: 40.0, 1: 30.0}.get(len(normals), 20.0), 0, 0, "22.6.5.3"
     yield "λs", "size_factor", aci318.size_factor(check.depth), 0, 0, "= √(2/(1 + 0.004 d)) ≤ 1, d in mm; 22.5.5.1.3"
     yield "φ", "safety", aci318.PHI, 0, 0, "Table 21.2.1"
@@ -234,6 +244,5 @@ def figure(one: Punched, write: Writer) -> Drawing:
     paths += [(kind, "".join(svg_path(on(line)) for line in lines)) for kind, lines in one.lines.items() if lines]
     keys = ["u0", "u1", *(["uout"] if one.outer else [])]
     lengths = [f"{key} = {write.number(one.of.numbers[key]).text} {write.units.length}" for key in keys]
-    pairs = enumerate(zip(keys, lengths, strict=True))
-    labels = [Label(8.0, _SIZE - 8.0 - 17.0 * (len(keys) - 1 - at), words, key) for at, (key, words) in pairs]
-    return Drawing(write("perimeters", name=one.of.name), (_SIZE, _SIZE), paths, labels)
+    legend = list(zip(keys, lengths, strict=True))
+    return Drawing(write("perimeters", name=one.of.name), (_SIZE, _SIZE), paths, legend=legend)

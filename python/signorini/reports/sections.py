@@ -70,6 +70,11 @@ class Contents:
         """Punched columns in their governing combinations."""
         return punched(self.results, self.estimates)
 
+    def place_of(self, index: int) -> tuple[str, int]:
+        """Keys of support number ``index`` in a combination of results.json: contacts follow supports."""
+        count = len(self.results.model.support) - len(self.results.model.contact)
+        return ("supports", index) if index < count else ("contacts", index - count)
+
     def checked(self, checked: str) -> Quantity | None:
         """Quantity of the number or field that a check names, such as "soil.max_pressure"."""
         name = checked.rpartition(".")[2]

@@ -99,7 +99,8 @@ def overturned(
     combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
         if one.check.of == OVERTURNING:
-            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+            growing = one.check.growing(discretisation.model.cases)
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, growing)
     return result
 
 
@@ -121,10 +122,12 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
     return result
 
 
-def require_measured(discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check) -> None:
+def require_measured(
+    discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check, advice: str = "Remove the check."
+) -> None:
     """Refuse checks of numbers that a catalogue lacks; ``what`` has the numbers of the catalogue."""
     known = [one.check for one in checks_in(catalogue)]
     for check in checks:
         if check not in known:
             index = discretisation.model.check.index(check)
-            raise InputError(f'{what} has no "{check.of}". Remove the check.', place=("check", index, "of"))
+            raise InputError(f'{what} has no "{check.of}". {advice}', place=("check", index, "of"))

@@ -95,7 +95,9 @@ def _probe(probe: ProbeResult) -> dict[str, Any]:
 def _all_places(result: Result) -> dict[str, dict[str, Any]]:
     """JSON of the extremes of every field without the extremes themselves."""
     ends, bars = {name: _places(name, of) for name, of in result.extremes.items()}, result.model.bars
-    for name in (name for name in ends if name in REINFORCEMENT and bars is not None):
+    for name in ends:
+        if name not in REINFORCEMENT or bars is None:
+            continue
         of = result.extremes[name]
         ends[name]["minimum_governs"] = least_at(name, of.max, of.max_at, bars, result.stress_nodes, result.thickness)
     return ends
@@ -209,6 +211,13 @@ def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]
 
 
 def _strip(strip: StripResult) -> dict[str, Any]:
-    stations = [{"at": list(station.at), "width": station.width} for station in strip.stations]
+    stations = [
+        {
+            "at": list(one.at),
+            "width": one.width,
+            **({"minimum_governs": one.minimum_governs} if one.minimum_governs else {}),
+        }
+        for one in strip.stations
+    ]
     ends = {"max_at": list(strip.sagging.at), "min_at": list(strip.hogging.at)}
     return {"name": strip.name, **ends, "stations": stations}

@@ -268,6 +268,8 @@ class StationResult:
     reinforcement : dict or None
         Required reinforcement along the strip at "bottom" and "top", area per length, NaN for strips that are not along
         x or y; None without [reinforcement].
+    minimum_governs : dict or None
+        Whether each ``reinforcement`` is the minimum; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -277,6 +279,7 @@ class StationResult:
     shear: float
     design_moment: dict[str, float]
     reinforcement: dict[str, float] | None
+    minimum_governs: dict[str, bool] | None
 
 
 @dataclass(frozen=True)
@@ -360,6 +363,14 @@ def designed(discretisation: Discretisation, what: str, through: Floats) -> Floa
     return result
 
 
+def least_along(discretisation: Discretisation, face: str, areas: Sequence[float]) -> Bools:
+    """Whether areas (c,) of bars along strips at their stations are the minimum for the thickness there."""
+    bars, count, (thickness, axis) = discretisation.model.bars, len(areas), strip_sections(discretisation)
+    assert bars is not None  # There are no areas of bars without [reinforcement].
+    x, y = (bars.are_least(f"as_{name}_{face}", np.array(areas), thickness[:count]) for name in "xy")
+    return np.where(axis[:count] == 0, x, y)
+
+
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
     """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
     lengths = discretisation.cut_lengths.tolist()
@@ -371,6 +382,7 @@ def section_results(discretisation: Discretisation, through: Floats) -> Sections
         what: designed(discretisation, what, means).tolist()
         for what in (f"{name}_{face}" for name in (("moment", "as") if bars else ("moment",)) for face in _FACES)
     }
+    least = {f: least_along(discretisation, f, faces[f"as_{f}"]).tolist() for f in _FACES} if bars else {}
     number = iter(range(len(means)))
     for strip in discretisation.model.strip:
         stations = []
@@ -378,6 +390,7 @@ def section_results(discretisation: Discretisation, through: Floats) -> Sections
             length, moment, twist, shear = next(values)
             design = {face: faces[f"moment_{face}"][station] for face in _FACES}
             required = {face: faces[f"as_{face}"][station] for face in _FACES} if bars else None
-            stations.append(StationResult((x, y), length, moment, twist, shear, design, required))
+            governs = {face: least[face][station] for face in _FACES} if bars else None
+            stations.append(StationResult((x, y), length, moment, twist, shear, design, required, governs))
         strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

@@ -346,9 +346,12 @@ class Readings:
     def pressures(self) -> Floats:
         """Contact pressures (k, q) at probes; NaN where there is no area support."""
         found = self.discretisation
-        areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
-        of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
-        return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
+        areas = [one for one in self.supports if one.support.area is not None and one.index not in self.upon]
+        result, step = list[Floats](), max(1, _TOGETHER // found.mesh.node_count)
+        for some in (slice(first, first + step) for first in range(0, len(self.shared), step)):
+            of_each = zip(*(one.areas(some) for one in areas), strict=True) if areas else [()] * len(self.shared[some])
+            result += [total_pressure(of_one, found.probe_positions) for of_one in of_each]
+        return np.array(result).reshape(len(self.shared), len(found.probe_positions))
 
     def deflections(self, some: slice) -> Floats:
         """Deflections (k', n) of the solutions in a slice; of sums only those around areas are known, others are 0."""
@@ -453,10 +456,17 @@ class SupportReading:
 
     @property
     def closed_part(self) -> Floats:
-        """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area."""
-        areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
-        pairs = zip(self.of.answers, areas.tolist(), strict=True)
-        return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
+        """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area.
+
+        That of a line needs ``answers``.
+        """
+        weights = self.points.weights
+        if not weights.sum() > 0.0:
+            return np.ones(len(self.closed))
+        if self.support.along_line:
+            return np.array([closed_part(self.of.discretisation, self.points, one) for one in self.of.answers])
+        touching = self.contact_area if self.support.area is not None else self.closed @ weights
+        return np.asarray(np.clip(touching / weights.sum(), 0.0, 1.0))
 
     @cached_property
     def at_rest(self) -> AreaContact:
@@ -475,16 +485,15 @@ class SupportReading:
         """Deflections (k, a), around areas, of the other plate on which this plate rests; None without such a plate."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
-    @cached_property
-    def areas(self) -> tuple[AreaContact, ...]:
-        """Contact of the area support in each of the k answers."""
-        columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
+    def areas(self, some: slice = slice(None)) -> tuple[AreaContact, ...]:
+        """Contact of the area support in the solutions of a slice."""
+        columns = zip(self.above(some), self.of.shared[some], self.closed[some], self.reactions[some], strict=True)
         return tuple(
             area_contact(
                 *(self.of.discretisation, self.index, above),
-                *(self.points.centres(self.of.discretisation, answer.shared), closed, reactions),
+                *(self.points.centres(self.of.discretisation, shared), closed, reactions),
             )
-            for above, answer, closed, reactions in columns
+            for above, shared, closed, reactions in columns
         )
 
     @property
@@ -544,7 +553,7 @@ class SupportReading:
     @property
     def yielded_area(self) -> Floats:
         """Areas (k,) of the support in which the limit is reached."""
-        return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
+        return np.array([area.yielding(own) for area, own in zip(self.areas(), self.yielded, strict=True)], np.float64)
 
     @cached_property
     def per_length(self) -> tuple[Floats, Floats]:

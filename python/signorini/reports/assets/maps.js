@@ -10,7 +10,7 @@
     u1: { colour: "#1f5fa8", width: 1.8, halo: 2 }, uout: { colour: "#a3160f", width: 1.6, dash: [7, 4], halo: 2 } };
   const AREA = { colour: PALE, width: 1, dash: [10, 3, 2, 3] };
   const FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
-  const MISSING = 65535, WANTED = 12000, SNAP = 7, PAPER = 680;
+  const MISSING = 65535, WANTED = 12000, SNAP = 7;
   const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
   const smooth = (a, b, x) => { const t = clamp((x - a) / (b - a), 0, 1); return t * t * (3 - 2 * t); };
 
@@ -97,13 +97,14 @@
 
     // Values of a layer at nodes or on elements; NaN where missing.
     async values({ blob, first, power, nodes }) {
-      if (!this.loaded.has(blob)) {
+      const key = [blob, first, power].join(); // equal codes may be of different values
+      if (!this.loaded.has(key)) {
         const codes = nodes ? await this.codes(blob) : (await this.store.sums(blob)).map((code) => code & 0xffff);
         const divisor = 10 ** Math.abs(power);
-        this.loaded.set(blob, Float64Array.from(codes, (code) =>
+        this.loaded.set(key, Float64Array.from(codes, (code) =>
           code === MISSING ? NaN : power < 0 ? (first + code) / divisor : (first + code) * divisor));
       }
-      return this.loaded.get(blob);
+      return this.loaded.get(key);
     }
 
     place(node) {
@@ -310,9 +311,7 @@
       ["placeX", "placeY", "deflection", "value"].forEach((name, i) => gl.bindAttribLocation(program, i, name));
       gl.linkProgram(program);
       gl.useProgram(program);
-      this.program = program;
-      this.buffers = new WeakMap();
-      this.colours = gl.createTexture();
+      Object.assign(this, { program, buffers: new WeakMap(), colours: gl.createTexture() });
       this.canvas.addEventListener("webglcontextlost", () => { painter = new Raster(); viewers.forEach((one) => one.draw()); });
     }
 
@@ -462,8 +461,7 @@
       pen.beginPath();
       pen.roundRect(at[0], at[1], w, h, 3);
       pen.fill();
-      pen.fillStyle = colour;
-      pen.textBaseline = "middle";
+      Object.assign(pen, { fillStyle: colour, textBaseline: "middle" });
       pen.fillText(text, at[0] + 3, at[1] + h / 2 + 0.5);
     }
   }
@@ -484,22 +482,16 @@
   class Viewer {
     constructor(root) {
       const [header, content] = root.querySelectorAll("script");
-      this.root = root;
-      this.data = JSON.parse(header.textContent);
-      this.store = new Store(content.textContent.trim(), this.data.blobs);
-      this.texts = this.data.texts;
-      for (const field of this.data.fields) field.words = this.texts[field.name] || field.words;
-      this.plates = [];
-      this.at = { state: 0, field: this.data.fields[0].name, plate: 0 };
-      this.with = { own: false, mesh: false, loads: false, cuts: true, supports: true };
-      this.angles = { around: 0, up: 90 };
-      this.view = null;
-      this.pointers = new Map();
+      const data = JSON.parse(header.textContent), { texts, blobs, fields } = data;
+      const at = { state: 0, field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
+      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
+      const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
+      for (const field of fields) field.words = texts[field.name] || field.words;
+      Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
       this.build();
       this.ready = this.show({});
     }
 
-    get frozen() { return this.stage.classList.contains("frozen"); }
     get state() { return this.data.states[this.at.state]; }
     get own() { return this.state.plates[this.at.plate]; }
     get plate() { return this.plates[this.at.plate]; }
@@ -710,13 +702,13 @@
       return most ? this.controls.times.value / 40 * 0.15 * this.plate.size / most : 0;
     }
 
-    // Box [x, y, x, y] of the projected outline, without deflection.
+    // Box [x, y, x, y] of the projected outline.
     box([right, up] = this.turn) {
-      const box = [Infinity, Infinity, -Infinity, -Infinity];
+      const box = [Infinity, Infinity, -Infinity, -Infinity], { times } = this;
       for (const side of this.plate.sides.outline)
         for (const node of side) {
           const [x, y] = this.plate.place(node).map((one, i) => one - this.plate.low[i]);
-          const p = [right[0] * x + right[1] * y, up[0] * x + up[1] * y];
+          const p = [right[0] * x + right[1] * y, up[0] * x + up[1] * y - (times && up[2] * times * this.deflection[node])];
           for (const i of [0, 1]) { box[i] = Math.min(box[i], p[i]); box[2 + i] = Math.max(box[2 + i], p[i]); }
         }
       return box;
@@ -784,14 +776,24 @@
 
     heightsOf(line) {
       if (!this.heights.has(line)) {
-        const heights = [];
-        for (let i = 0; i < line.length; i += 2) {
-          const found = this.plate.locate(line[i], line[i + 1]);
-          heights.push(found ? this.plate.at(found, this.deflection) : 0);
-        }
-        this.heights.set(line, heights);
+        const found = Array.from({ length: line.length / 2 }, (_, i) => this.plate.locate(line[2 * i], line[2 * i + 1]));
+        this.heights.set(line, found.map((one) => (one ? this.plate.at(one, this.deflection) : 0)));
       }
       return this.heights.get(line);
+    }
+
+    // A line with so many points that it follows the deformed plate.
+    fine(line) {
+      if (!this.times) return line;
+      if (!this.lines.has(line)) {
+        const fine = line.slice(0, 2);
+        for (let i = 2; i < line.length; i += 2) {
+          const [x, y] = [line[i] - line[i - 2], line[i + 1] - line[i - 1]], count = Math.ceil(40 * Math.hypot(x, y) / this.plate.size);
+          for (let k = count - 1; k >= 0; k--) fine.push(line[i] - x * k / count, line[i + 1] - y * k / count);
+        }
+        this.lines.set(line, fine);
+      }
+      return this.lines.get(line);
     }
 
     // Points of the map of a flat list x, y, x, y.
@@ -956,7 +958,7 @@
 
     drawCuts(pen, marks, labels) {
       const cut = (line, name, look) => {
-        const places = this.projected(line);
+        const places = this.projected(this.fine(line));
         this.path(pen, places, { width: 1.5, halo: 2, ...look });
         if (name) labels.add(name, ...places[places.length - 1], { colour: look.colour });
       };
@@ -996,7 +998,7 @@
           count += 1;
         }
       });
-      if (!state) return;
+      if (!state || !this.with.numbers) return;
       if (support.style === "line" && support.lines.length && support.kind !== "symmetry") {
         const longest = support.lines.reduce((a, b) => (b.length > a.length ? b : a)), places = this.projected(longest);
         labels.add(state.total, ...places[places.length >> 1]);
@@ -1059,41 +1061,6 @@
       const width = own.fields[this.at.field]?.width;
       this.notes.textContent = [width ? texts.width : "", this.data.left_out ? texts.left_out : ""].filter(Boolean).join(" ");
     }
-
-    // --- Print
-
-    // Replace the map by a picture of it.
-    freeze() {
-      this.thaw();
-      this.stage.append(this.picture());
-      this.stage.classList.add("frozen");
-      this.paint();
-    }
-
-    // A picture as on a sheet of paper, so that its texts are as large as those around it.
-    picture() {
-      const { width, height, view } = this, part = Math.min(1, PAPER / width);
-      Object.assign(this, { width: width * part, height: height * part, view: { ...view, scale: view.scale * part } });
-      this.paint(3);
-      const picture = make("img", { className: "picture", src: this.canvas.toDataURL("image/png"), alt: this.canvas.getAttribute("aria-label") });
-      Object.assign(this, { width, height, view });
-      return picture;
-    }
-
-    // Pictures of further fields with their legends, behind the map.
-    async addPictures(fields) {
-      const { field } = this.at;
-      for (const name of fields.filter((one) => one !== field && this.own.fields[one])) {
-        await this.show({ field: name });
-        this.root.append(make("figure", { className: "further" }, this.legend.cloneNode(true), this.picture()));
-      }
-      await this.show({ field });
-    }
-
-    thaw() {
-      this.root.querySelectorAll(".picture, .further").forEach((one) => one.remove());
-      this.stage.classList.remove("frozen");
-    }
   }
 
   function hatched(pen, colour, lines) {
@@ -1129,20 +1096,7 @@
     return viewer;
   }
 
-  // Replace every map by pictures, for print: of its field, and of further fields if named. The promise waits for arrays.
-  async function freeze(fields = []) {
-    for (const one of viewers) {
-      await one.ready;
-      one.freeze();
-      await one.addPictures(fields);
-      await Promise.all([...one.root.querySelectorAll(".picture")].map((image) => image.decode()));
-    }
-  }
-
-  const thaw = () => viewers.forEach((one) => one.thaw());
-  window.addEventListener("beforeprint", () => viewers.forEach((one) => one.layers && !one.frozen && one.freeze()));
-  window.addEventListener("afterprint", thaw);
   // For tests: draw without WebGL2.
   const useCanvas = (wanted) => { painter = wanted ? new Raster() : makePainter(); viewers.forEach((one) => one.draw()); };
-  window.signorini = { ...window.signorini, maps: { mount, freeze, thaw, useCanvas, viewers } };
+  window.signorini = { ...window.signorini, maps: { make, mount, useCanvas, viewers } };
 })();

@@ -1,7 +1,7 @@
 "use strict";
 (() => {
   const FILTERED = 8;  // smallest number of rows of a table with a filter
-  const words = document.body.dataset;
+  const words = document.body.dataset, { make, mount, viewers } = window.signorini.maps;
 
   const key = (row, column) => {
     const cell = row.cells[column], value = cell.dataset.value;
@@ -35,21 +35,52 @@
   for (const table of document.querySelectorAll("table.data")) {
     for (const header of table.tHead.rows[0].cells) {
       if (!header.textContent.trim()) continue;
-      const button = document.createElement("button");
-      button.type = "button";
-      button.title = words.sort;
-      button.append(...header.childNodes);
-      button.addEventListener("click", () => sort(table, header));
-      header.append(button);
+      header.append(make("button", { type: "button", title: words.sort, onclick: () => sort(table, header) }, ...header.childNodes));
     }
     if (table.tBodies[0].rows.length >= FILTERED) {
-      const input = document.createElement("input");
-      input.type = "search";
-      input.placeholder = words.filter;
-      input.setAttribute("aria-label", `${words.filter}: ${table.caption.textContent}`);
-      input.addEventListener("input", () => filter(table, input.value));
+      const input = make("input", { type: "search", placeholder: words.filter, "aria-label": `${words.filter}: ${table.caption.textContent}` });
+      input.oninput = () => filter(table, input.value);
       table.caption.append(input);
     }
+  }
+
+  // Diagrams: the values at a station under the pointer or, by the arrow keys, at the next one or in the next panel.
+  for (const stage of document.querySelectorAll(".diagram .stage")) {
+    const svg = stage.querySelector("svg"), { x, at, unit, panels } = JSON.parse(stage.querySelector("script").textContent);
+    const rule = document.createElementNS(svg.namespaceURI, "path"), told = make("output", { className: "tip" });
+    let station = 0, panel = 0;
+    const hide = () => { rule.remove(); told.remove(); };
+    const show = (nextStation, nextPanel) => {
+      station = Math.min(Math.max(nextStation, 0), x.length - 1);
+      panel = Math.min(Math.max(nextPanel, 0), panels.length - 1);
+      const [title, top, curves] = panels[panel], { width, height } = svg.viewBox.baseVal;
+      const dots = curves.map(([, , y]) => (y[station] === null ? "" : `M${x[station] - 4} ${y[station]}h8`));
+      rule.setAttribute("d", `M${x[station]} 0V${height}${dots.join("")}`);
+      rule.setAttribute("class", "rule");
+      const lines = curves.flatMap(([name, texts], i) => (texts[station] ? [make("span", { className: `c${i}` }, `${name} ${texts[station]}`)] : []));
+      told.replaceChildren(make("b", {}, `${at[station]}${unit}: ${title}`), ...lines);
+      svg.append(rule);
+      stage.append(told);
+      const scale = svg.clientWidth / width, left = x[station] * scale + 12;
+      const before = left + told.offsetWidth > stage.clientWidth;
+      told.style.transform = `translate(${before ? Math.max(left - told.offsetWidth - 24, 0) : left}px, ${top * scale}px)`;
+      stage.setAttribute("aria-valuenow", station);
+      stage.setAttribute("aria-valuetext", told.innerText);
+    };
+    stage.setAttribute("aria-valuemax", x.length - 1);
+    stage.addEventListener("pointermove", (event) => {
+      const box = svg.getBoundingClientRect(), scale = svg.viewBox.baseVal.width / box.width;
+      const px = (event.clientX - box.left) * scale, py = (event.clientY - box.top) * scale;
+      const nearest = x.reduce((best, one, i) => (Math.abs(one - px) < Math.abs(x[best] - px) ? i : best), 0);
+      show(nearest, panels.filter(([, top]) => top <= py).length - 1);
+    });
+    stage.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      show(station + (told.isConnected ? step[0] : 0), panel + step[1]);
+    });
+    for (const name of ["pointerleave", "blur"]) stage.addEventListener(name, hide);
   }
 
   // What is folded or not yet loaded must be on paper too.
@@ -59,7 +90,6 @@
       closed.add(one);
       one.open = true;
     }
-    window.signorini?.maps?.freeze();
   };
   window.addEventListener("beforeprint", unfold);
   window.addEventListener("afterprint", () => {
@@ -68,7 +98,7 @@
   });
 
   // Fields and states of a map for paper: those with the largest and the smallest value, and of pressures some combinations.
-  const LEAST = 0.2, MOST = 6;
+  const LEAST = 0.2, MOST = 6, NUMBERED = ["deflection", "pressure"];  // fields that show reactions on paper
   const chosen = ({ states, fields, plates }) => plates.flatMap((_, plate) => fields.flatMap(({ name: field }) => {
     const known = states.flatMap((one, state) => {
       const about = one.plates[plate].fields[field];
@@ -85,26 +115,21 @@
     return [...new Set(kept.map((one) => one.state))].map((state) => ({ state, field, plate }));
   }));
 
+  const DOTS = 1.4, QUALITY = 0.82;  // pixels per CSS pixel, and quality of JPEG, which browsers copy to a PDF as it is
   // Pictures of a map's fields, drawn in a copy of the map outside the window, one after the other.
   const picture = async (map, copy, pause) => {
-    const { mount, viewers } = window.signorini.maps, stage = document.createElement("div"), shown = document.createElement("div");
-    stage.className = "offstage";
-    stage.append(copy);
+    const stage = make("div", { className: "offstage" }, copy), shown = make("div", { className: "prints" });
     document.body.append(stage);
-    shown.className = "prints";
     const viewer = mount(copy);
     await viewer.ready;
     for (const wanted of chosen(viewer.data)) {
       await pause();
+      viewer.with.numbers = NUMBERED.includes(wanted.field);
       await viewer.show(wanted);
-      viewer.paint(1.6);
-      const figure = document.createElement("figure"), image = document.createElement("img");
-      const legend = viewer.legend.cloneNode(true);
-      image.src = viewer.canvas.toDataURL("image/png");
-      image.alt = legend.querySelector(".title").textContent;
-      figure.className = "signorini-map";
-      figure.append(legend, image);
-      shown.append(figure);
+      viewer.paint(DOTS);
+      const legend = viewer.legend.cloneNode(true), alt = legend.querySelector(".title").textContent;
+      const image = make("img", { src: viewer.canvas.toDataURL("image/jpeg", QUALITY), alt });
+      shown.append(make("figure", { className: "signorini-map" }, legend, image));
     }
     viewers.delete(viewer);
     stage.remove();
@@ -116,7 +141,7 @@
   const maps = [...document.querySelectorAll(".signorini-map")];
   const copies = maps.map((map) => map.cloneNode(true));
   for (const copy of copies) copy.removeAttribute("id");
-  for (const map of maps) window.signorini.maps.mount(map);
+  maps.forEach(mount);
   const atOnce = location.hash === "#print";
   const pause = () => new Promise((done) => (atOnce ? done() : (window.requestIdleCallback || setTimeout)(done)));
   const all = async () => {
