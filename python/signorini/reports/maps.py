@@ -250,7 +250,7 @@ def map_data(
             continue
         about = state.describe(of.plate, name)
         stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
-    kept = [name for name in PICTURED if any(name in of for row in stored for of in row)]
+    kept = [name for name in fields if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
         "length": units.length,

@@ -426,7 +426,7 @@ def warnings(of: Contents) -> Iterator[Block]:
     """Yield each warning with the combinations that it is about, and the places without a limit."""
     for one in of.values["warnings"]:
         names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
-        yield Text(one["text"] + names, "warning")
+        yield Text(one["text"] + names, "warning", english=True)
     if not of.values["warnings"]:
         yield Text(of.write("no_warnings"))
     singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
