@@ -465,3 +465,15 @@ def test_pdf_has_the_title_block_on_every_page(tmp_path: Path, solved: tuple[sig
 def test_codes_are_named() -> None:
     tables = {"combination": [{"generate": "en1990"}], "punching": [{"code": "ACI 318-19"}]}
     assert sections.codes_of(tables) == ["EN 1990", "ACI 318-19"]
+
+
+def test_the_command_adds_a_load_path(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    (tmp_path / "slab.toml").write_text(slab().to_toml(), "utf-8")
+    start, add = slab().load_cases[:2]
+    options = ["report", str(tmp_path / "slab.toml"), "--from", start, "--until", "0.5", "--no-error"]
+    assert CliRunner().invoke(app, options).exit_code == 2
+    done = CliRunner().invoke(app, [*options, "--add", add])
+    assert done.exit_code == 0, done.output
+    assert 'id="load_path"' in (tmp_path / "slab.html").read_text("utf-8")

@@ -39,10 +39,6 @@ BUDGET = 1_500_000
 """Largest size of a viewer's arrays in the page [bytes]."""
 MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
-_BY_WEIGHT = tuple(
-    sorted(PICTURED, key=lambda name: 2 * name.startswith("rotation") - (PICTURED[name].kind == "reinforcement"))
-)
-"""Fields in the order in which they are stored: required reinforcement first, rotations last."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
 _MOST_NAMES = 500
