@@ -33,19 +33,15 @@ count as zero.
 
 
 def warnings_of(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Each warning, with the names of the combinations to which it applies; without names if it is about all.
-
-    Warnings of a table's full results are about its rows, and left to these results.
-    """
+    """Each warning, with the names of the combinations to which it applies; without names if it is about all."""
+    of_table = [*table_warnings(results, estimates)] if results.model.tabulated else []
     warned: dict[str, list[str]] = {}
-    if results.model.tabulated:
-        warned = {sentence: [] for sentence in table_warnings(results, estimates)}
-    for result in () if results.model.tabulated else results.full.values():
+    for result in results.full.values():
         of_mesh = () if estimates is None else estimates[result.name].warnings
         for sentence in (*result.warnings, *of_mesh):
             warned.setdefault(sentence, []).append(result.name)
     every = {sentence: [] if len(names) == len(results) else names for sentence, names in warned.items()}
-    whole = (*_too_wide(results, estimates), *filter(None, (results.accuracy_warning,)))
+    whole = (*of_table, *_too_wide(results, estimates), *filter(None, (results.accuracy_warning,)))
     return every | {sentence: [] for sentence in whole}
 
 
