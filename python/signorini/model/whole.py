@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -245,7 +246,10 @@ class Model(Table):
         >>> model.to_toml().splitlines()[8:12]
         ['[plate]', 'thickness = "0.2 + 0.01*x"', 'shape = "disc"', 'radius = 2.0']
         """
-        return tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
+        text = tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
+        # Arrays without tables in one line each; no string of tomli_w has a line break.
+        text = re.sub(r"(?<!}),\n *\]", "]", text)
+        return re.sub(r"(\[|, ?)\n +(?=[^ {])", lambda match: match[1].rstrip() + " " * (match[1] != "["), text)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Copy the model; with ``update``, the copy has no input file and recomputes the combinations."""

@@ -325,13 +325,10 @@
     }
 
     bind(target, array) {
-      const gl = this.gl;
-      if (!this.buffers.has(array)) {
-        this.buffers.set(array, gl.createBuffer());
-        gl.bindBuffer(target, this.buffers.get(array));
-        gl.bufferData(target, array, gl.STATIC_DRAW);
-      }
-      gl.bindBuffer(target, this.buffers.get(array));
+      const { gl, buffers } = this, buffer = buffers.get(array) || gl.createBuffer();
+      gl.bindBuffer(target, buffer);
+      if (!buffers.has(array)) gl.bufferData(target, array, gl.STATIC_DRAW);
+      buffers.set(array, buffer);
     }
 
     attribute(number, array) {
@@ -459,7 +456,7 @@
       this.taken.push([at[0], at[1], at[0] + w, at[1] + h]);
       pen.fillStyle = "rgba(255,255,255,0.86)";
       pen.beginPath();
-      pen.roundRect(at[0], at[1], w, h, 3);
+      pen.roundRect(...at, w, h, 3);
       pen.fill();
       Object.assign(pen, { fillStyle: colour, textBaseline: "middle" });
       pen.fillText(text, at[0] + 3, at[1] + h / 2 + 0.5);
@@ -484,7 +481,7 @@
       const [header, content] = root.querySelectorAll("script");
       const data = JSON.parse(header.textContent), { texts, blobs, fields } = data;
       const at = { state: 0, field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
-      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true };
+      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
       Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
@@ -667,8 +664,7 @@
       if (stop >= 0) controls.stop.value = stop;
       this.stopText.textContent = stop < 0 ? "" : this.nameOf(this.state);
       controls.stop.setAttribute("aria-valuetext", this.stopText.textContent);
-      this.drawLegend();
-      this.drawKey();
+      this.drawLegend(); this.drawKey();
       this.draw();
     }
 
@@ -998,7 +994,7 @@
           count += 1;
         }
       });
-      if (!state) return;
+      if (!state || !this.with.numbers) return;
       if (support.style === "line" && support.lines.length && support.kind !== "symmetry") {
         const longest = support.lines.reduce((a, b) => (b.length > a.length ? b : a)), places = this.projected(longest);
         labels.add(state.total, ...places[places.length >> 1]);
