@@ -69,7 +69,7 @@ def under_pointer(shown, results):
     header = shown.evaluate(f"() => {{ {VIEWER} return v.data }}")
     last, worst, count = len(header["states"]) - 1, 0.0, 0
     shown.locator(".signorini-map canvas").first.scroll_into_view_if_needed()
-    for number in sorted({0, last // 2, last}):
+    for number in (0, last):
         state = header["states"][number]
         for field, about in state["plates"][0]["fields"].items():
             digit = 10.0 ** max(layer["power"] for layer in about["layers"])
@@ -147,7 +147,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     if given.check:
-        small = model(16, 20)
+        small = model(12, 20)
         found = in_browser(page(signorini.solve(small), None, small.to_toml()), width=500)
         if found is None:
             print("skipped: Chromium or playwright is not installed")
