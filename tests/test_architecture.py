@@ -29,6 +29,7 @@ LAYERS = (
     {"analysis"},
     {"output"},
     {"reports"},
+    {"studies"},
     {"__init__"},
     {"importers"},
     {"cli"},
@@ -43,6 +44,7 @@ ALONE = {
 # Packages that only these modules may import.
 ONLY_IN = {
     "ezdxf": {"importers"},
+    "distributed": {"studies"},
     "highspy": {"base"},
     "jinja2": {"reports"},
     "markupsafe": {"reports"},

@@ -6,11 +6,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from models import rectangular
 
 from signorini import InputError, Model, Results, check_results, estimate, path, solve, write
+from signorini.analysis.estimate import estimates_of
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import largest_factor
@@ -111,6 +113,20 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
     assert overturning.value == pytest.approx(1 / path(results.model, "G", "W").limit, rel=1e-6)
 
 
+def test_variable_cases_overturn_by_default() -> None:
+    """With [cases] the weight stays and the wind grows, with the case that follows it."""
+    load = [*FOOTING["load"], {"case": "W2", "moment": [20e3, 0], "at": [1, 0.75], "radius": 0.3}]
+    cases = {"G": {"kind": "permanent"}, "W": {"kind": "variable", "category": "wind"}, "W2": {"with": "W"}}
+    table = [{"name": "EQU", "generate": "en1990", "rule": "EQU"}]
+    model = rectangular(
+        **FOOTING | {"load": load, "cases": cases, "combination": table, "check": [{"of": "overturning"}]}
+    )
+    (one,) = check_results(solve(model))
+    # 0.9 · 300 kN at half the length, 1 m, against 1.5 · 80 kN m
+    assert one.governing == "EQU: 0.9 G + 1.5 W + 1.5 W2"
+    assert one.value == pytest.approx(1.5 * 80 / (0.9 * 300), rel=1e-9)
+
+
 def test_an_anchored_plate_overturns_later() -> None:
     anchors = {"name": "anchors", "at": [[0.2, 0.2], [0.2, 1.3]], "resists": "up", "limit": 50e3}
     check = {"of": "overturning", "grows": ["W"]}
@@ -172,7 +188,8 @@ def test_plates_on_one_another_have_checks_of_contacts_and_fields_of_each() -> N
 
 def test_files_have_the_checks(tmp_path: Path) -> None:
     results = footing({"G": 1, "W": 1}, {"name": "=bearing", "of": "soil.max_pressure", "limit": 100e3})
-    files = {file.name for file in write(results, tmp_path, pictures="none")}
+    for _ in range(2):  # The second run replaces the files of the first.
+        files = {file.name for file in write(results, tmp_path, pictures="none")}
     assert "checks.csv" in files
     values = json.loads((tmp_path / "results.json").read_text("utf-8"))
     (one,) = values["checks"]
@@ -252,6 +269,34 @@ def test_half_widths_of_utilisations_are_those_of_the_values_over_the_limit() ->
         assert one.plus_minus == pytest.approx(widths[0] / abs(one.limit), rel=1e-12)
 
 
+@pytest.mark.parametrize("tabulated", ["each", "table", "file"])
+def test_a_check_passes_only_with_the_half_width_of_every_combination(tabulated: str, tmp_path: Path) -> None:
+    """The combination with the largest utilisation is certain to pass; another one has a half-width beyond 1."""
+    load = [
+        {"case": "even", "pressure": 1e3},
+        {"case": "wheel", "force": 1e4, "at": [2, 2], "patch": [0.4, 0.4]},
+    ]
+    support = [{"edge": ["left", "right"], "fix": "simple"}]
+    alike = {"divisions": [6, 6], "load": load, "support": support, "probe": [{"at": [2, 2]}]}
+    each = [{"name": case, "factors": {case: 1.0}} for case in ("even", "wheel")]
+    first = estimate(solve(rectangular(**alike, combination=each)))
+    even, wheel = (first[case].result.probes[0].moment[0] for case in ("even", "wheel"))
+    relative = first["wheel"].plus_minus["probes"][0]["moment"][0] / wheel
+    assert relative > 0.1 > 10 * first["even"].plus_minus["probes"][0]["moment"][0] / even
+    each = [{"name": "even", "factors": {"even": 0.96 / even}}, {"name": "wheel", "factors": {"wheel": 0.94 / wheel}}]
+    output = {"combinations": "each" if tabulated == "each" else "table"}
+    check = [{"name": "bars", "of": "probe[1].mx", "limit": 1.0}]
+    model = rectangular(**alike, combination=each, output=output, check=check)
+    file = tmp_path / "table.parquet" if tabulated == "file" else None
+    results = solve(model) if file is None else solve(model, table=file)
+    estimates = estimate(results) if file is None else estimates_of(results, lambda now: None, file)
+    (one,) = check_results(results, estimates)
+    assert (one.governing, one.passed, one.verdict) == ("even", None, "undecided: 1 is within ±")
+    assert one.utilisation + one.plus_minus < 1.0
+    (alone,) = check_results(results)
+    assert alone.passed is True
+
+
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_table_has_the_checks_of_single_results(method: str) -> None:
     single = check_results(solve(Model(**BASE_PLATE | {"solver": {"method": method}})))
@@ -263,6 +308,61 @@ def test_a_table_has_the_checks_of_single_results(method: str) -> None:
             other.verdict,
         )
         assert one.utilisation == pytest.approx(other.utilisation, rel=1e-8)
+
+
+def test_the_utilisation_of_a_field_is_a_field_in_files_and_envelopes(tmp_path: Path) -> None:
+    """A limit [lower, upper] has its own sign; the envelope has the largest utilisation and its row."""
+    name = 'twist of <a> & "b"'
+    limits = {"limit": [-50.0, 200.0], "group": "SLS"}
+    checks = [{"name": name, "of": "mx", "limit": [-100.0, 50.0]}, {"name": "SLS", "of": "deflection", **limits}]
+    options = {
+        "output": {"combinations": "table", "fields": "governing"},
+        "mesh": {"divisions": [8, 8], "error": False},
+    }
+    results = solve(Model(**BASE_PLATE | options | {"check": checks}))
+    each = []
+    for result in (results[key] for key in results):
+        mx = result.fields["mx"]
+        each.append(np.where(mx < 0, mx / -100.0, mx / 50.0))
+        assert np.array_equal(result.fields[f"utilisation:{name}"], each[-1])
+        assert np.isnan(result.fields["utilisation:SLS"]).all() == (result.combination.group != "SLS")
+    result.plot(f"utilisation:{name}")
+    result.to_vtk(tmp_path / "own.vtu")
+    assert np.allclose(meshio.read(tmp_path / "own.vtu").point_data[f"utilisation:{name}"], each[-1])
+    write(results, tmp_path / "all", pictures="none")
+    found = meshio.read(tmp_path / "all" / "envelope.vtu").point_data
+    assert np.allclose(found[f"utilisation:{name}_max"], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    rows = found[f"utilisation:{name}_max_row"].astype(int)
+    assert np.allclose(np.array(each)[rows, np.arange(len(rows))], np.max(each, axis=0), rtol=1e-8, atol=1e-12)
+    assert "utilisation:SLS_max" not in found
+    assert "utilisation:SLS_max" in meshio.read(tmp_path / "all" / "envelope-sls.vtu").point_data
+
+
+@pytest.mark.parametrize("divisions", [[2, 2], [8, 6]])
+def test_a_table_checks_numbers_that_have_no_column_otherwise(divisions: list[int]) -> None:
+    """Rows are sums of responses of the few contact points of a coarse mesh, or solved one by one."""
+    checks = [
+        {"of": "grout.closed_part", "limit": 2.0},
+        {"of": "anchors.closed_part", "limit": 2.0},
+        {"of": "probe[2].pressure", "limit": 3.0},
+        {"of": "grout.max_tension", "limit": 1.0},
+    ]
+    more: dict[str, Any] = {"probe": [{"at": [[40, 40], [210, 160]]}], "mesh": {"divisions": divisions}}
+    tables = BASE_PLATE | {"check": checks, "solver": {"method": "lemke"}} | more
+    wanted = check_results(solve(Model(**tables)))
+    results = solve(Model(**tables | {"output": {"combinations": "table", "envelope": []}}))
+    for one, other in zip(check_results(results), wanted, strict=True):
+        assert (one.governing, one.place) == (other.governing, other.place)
+        assert one.utilisation == pytest.approx(other.utilisation, rel=1e-8, abs=1e-12)
+    assert (results.combined.alone == 0) == (divisions == [2, 2])
+    assert np.ptp(results.table["closed_part:grout"]) > 0.1
+    line = {"name": "line", "edge": "left", "resists": "down", "stiffness": 100}
+    refused = BASE_PLATE | {
+        "support": [*BASE_PLATE["support"], line],
+        "check": [{"of": "line.closed_part", "limit": 1}],
+    }
+    with pytest.raises(InputError, match=r"check\[1\]\.of.*combinations"):
+        solve(Model(**refused | {"output": {"combinations": "table"}}))
 
 
 def test_a_path_finds_where_a_check_is_reached() -> None:

@@ -92,6 +92,13 @@ def test_one_accidental_action_acts_in_an_accidental_combination():
     assert not any("A" in name for name in names(cases, "6.10"))
 
 
+def test_one_seismic_action_acts_with_quasi_permanent_values():
+    """EN 1990, 6.12b: G + P + AEd + Σ ψ2 Q."""
+    cases = {"G": G, "Q": Q, "S": S, "E+": {"kind": "seismic"}, "E-": {"kind": "seismic"}}
+    assert names(cases, "seismic") == {f"seismic: G + E{sign}{q}" for sign in "+-" for q in ("", " + 0.3 Q")}
+    assert not any("E" in name for name in names(cases, "6.10"))
+
+
 def test_national_factors_stand_in_place_of_the_recommended_ones():
     gamma = {"permanent": [1.2, 0.95], "variable": [1.6, 0], "preload": [1.1, 0.9]}
     preload = {"name": "bolt", "at": [2, 2], "resists": "up", "stiffness": 1e4, "preload": 5, "preload_case": "P"}
@@ -144,6 +151,7 @@ def test_rules_of_one_kind_in_two_tables_are_told_apart_by_the_names_of_the_tabl
 
 # Enumeration of all subsets
 
+EVENTS = ("accidental", "seismic")
 LABELS = {rule: tuple(one.label for one in of) for rule, of in en1990.EXPRESSIONS.items()}
 
 
@@ -160,6 +168,7 @@ def written_out(rule, permanent, variable, accidental):
         "characteristic": [(sup, 1.0, "ψ0")],
         "frequent": [(sup, "ψ1", "ψ2")],
         "quasi-permanent": [(sup, "ψ2", "ψ2")],
+        "seismic": [(sup, "ψ2", "ψ2")],
     }[rule]
     for size in range(len(variable) + 1):
         for subset in itertools.combinations(variable, size):
@@ -169,7 +178,7 @@ def written_out(rule, permanent, variable, accidental):
             for lead in {of for _, _, of, _ in subset} or {None}:
                 for upper, leading, other in formulas:
                     for gammas in itertools.product({upper, inf}, repeat=len(permanent)):
-                        for extra in accidental if rule == "accidental" else [None]:
+                        for extra in accidental if rule in EVENTS else [None]:
                             row = dict(zip(permanent, gammas, strict=True)) | ({extra: 1.0} if extra else {})
                             for case, psi, of, _ in subset:
                                 which = leading if of == lead else other
@@ -183,7 +192,9 @@ def written_out(rule, permanent, variable, accidental):
 def test_combinations_are_those_of_every_subset_of_the_cases(data):
     permanent = [f"G{i}" for i in range(data.draw(st.integers(0, 2)))]
     accidental = [f"A{i}" for i in range(data.draw(st.integers(0, 2)))]
-    cases = {name: G for name in permanent} | {name: {"kind": "accidental"} for name in accidental}
+    rule = data.draw(st.sampled_from([rule for rule in en1990.GAMMA if accidental or rule not in EVENTS]))
+    kind = "seismic" if rule == "seismic" else "accidental"
+    cases = {name: G for name in permanent} | {name: {"kind": kind} for name in accidental}
     variable = []
     for index in range(data.draw(st.integers(0, 4))):
         category = data.draw(st.sampled_from(list(en1990.PSI)))
@@ -191,7 +202,6 @@ def test_combinations_are_those_of_every_subset_of_the_cases(data):
         own = {"kind": "variable", "category": category, "action": action, "group": group}
         cases[f"Q{index}"] = {key: value for key, value in own.items() if value}
         variable.append((f"Q{index}", en1990.PSI[category], action or f"Q{index}", group))
-    rule = data.draw(st.sampled_from([rule for rule in en1990.GAMMA if accidental or rule != "accidental"]))
     expected = written_out(rule, permanent, variable, accidental)
     if not expected:
         return

@@ -261,3 +261,79 @@ def test_column_off_the_plate_is_refused():
             },
             support=[{"name": "columns", "at": [6, 6], "radius": 1.2}, {"edge": "left", "fix": "clamped"}],
         )
+
+
+def test_missing_keys_are_those_of_reinforcement():
+    """The example of the input file: strengths of [reinforcement], then also its depths and least ratio."""
+    bars = {"code": EN["code"], "fck": 30e3, "fyk": 500e3, "cover": {"top": 0.03, "bottom": 0.05}, "bar": 0.01}
+    drop = [{"area": {"rectangle": [5, 5, 7, 7]}, "thickness": 0.4}]
+    table = {"support": "columns", "column": [0.4, 0.4], "code": EN["code"]}
+    given = solved(punching=[{**table, "d": EN["d"], "rho": EN["rho"]}], reinforcement=bars)
+    assert column(given) == pytest.approx(column(solved()), rel=1e-12, nan_ok=True)
+    result = solved(punching=[table], reinforcement=bars, zone=drop)
+    told = figures(result)["punching"]
+    assert [told[index]["d"] for index in (0, 4)] == [pytest.approx([d - 0.035, d - 0.045]) for d in (0.3, 0.4)]
+    assert told[0]["rho"] == pytest.approx([0.26 * 0.3 * 30 ** (2 / 3) / 500] * 2)
+    load, soil = [{"case": "G", "force": 900, "at": [6, 6]}], [{"area": "all", "resists": "down", "stiffness": 2e4}]
+    raft = solved(punching=[{**table, "support": None, "load": "G"}], reinforcement=bars, load=load, support=soil)
+    assert figures(raft)["punching"][0]["d"] == pytest.approx([0.3 - 0.055, 0.3 - 0.065])
+
+
+def test_columns_of_two_codes_have_different_names():
+    """Numbers with one name are refused, whatever their owners; [[punching]] has a name of its own."""
+    table, american = {"support": "columns", "column": [0.4, 0.4]}, {"code": "ACI 318-19", "d": EN["d"], "fck": 30e3}
+    two = [{**EN, **table}, {**table, **american, "fyk": 500e3}]
+    with pytest.raises(InputError, match=r"punching\[2\].name"):
+        solved(punching=two)
+    result = solved(punching=[two[0], {**two[1], "name": "american"}])
+    assert len({one.name for one in result.punching}) == 2 * len({one.at for one in result.punching})
+
+
+def test_a_slab_with_every_table_of_design(tmp_path):
+    """Cases, reinforcement, punching and checks together: keys of results.json, and thresholds of a path."""
+    cases = {"G": {"kind": "permanent"}, "Q": {"kind": "variable", "category": "B", "group": "live"}}
+    model = Model(
+        **SLAB
+        | {
+            "support": [SLAB["support"][0] | {"rotational_stiffness": 1e5}],
+            "load": [{"case": "G", "pressure": 6}, {"case": "G2", "pressure": 1}, {"case": "Q", "pressure": 3}],
+            "cases": cases | {"G2": {"kind": "permanent", "with": "G"}},
+            "combination": [{"name": "ULS", "generate": "en1990", "rule": "6.10"}],
+            "reinforcement": {
+                **{"code": EN["code"], "fck": 30e3, "fyk": 500e3, "bar": 0.012},
+                "cover": {"top": 0.035, "bottom": 0.035},
+            },
+            "punching": [{**EN, "fck": None, "fyk": None, "support": "columns", "column": [0.4, 0.4]}],
+            "check": [{"name": "plate stress", "of": "von_mises", "limit": 213e3}],
+            "probe": [{"at": [4, 4]}],
+        }
+    )
+    results = signorini.solve(model)
+    signorini.write(results, tmp_path, pictures="none")
+    found = json.loads((tmp_path / "results.json").read_text())
+    own = found["combinations"][0]
+    assert {
+        *("u0", "u1", "force", "inside", "moment", "beta", "v_ed", "v_rd_c", "v_rd_max", "utilisation", "asw"),
+        *("uout", "openings", "clauses"),
+    } <= own["punching"][4].keys()
+    assert {"value", "limit", "utilisation", "plus_minus", "governing"} <= found["checks"][0].keys()
+    assert [len(own["probes"][0]["as"][face]) for face in ("bottom", "top")] == [2, 2]
+    when = ["check:plate stress = 1", "punching:columns[3] = 1"]
+    found = signorini.path(model, "G", "Q", until=1e3, when=when)
+    assert all(one.t is not None for one in found.thresholds)
+
+
+def test_small_footings_are_checked_next_to_the_column():
+    """On a pad little wider than its column, the governing perimeter is nearer than d/2: V (1 − A(a)/A) a/u(a)."""
+    d, side = 0.5, 0.7
+    load = [{"case": "G", "force": 3000, "at": [0.35, 0.35]}]
+    soil = [{"area": "all", "resists": "down", "stiffness": 1e5}]
+    plate, punching = {"shape": "rectangle", "size": [side, side], "thickness": 0.6}, {"load": "G", **EN, "d": [d, d]}
+    tables = {"plate": plate, "mesh": {"size": 0.1}, "material": {"E": 1e13, "nu": 0.2}}
+    result = solved(**tables, load=load, support=soil, punching=[{**punching, "column": [0.4, 0.4]}])
+    a = d / 8 * np.arange(1, 3)  # beyond 0.15 m perimeters are cut by the edges
+    u, area = 1.6 + 2 * np.pi * a, 0.16 + 1.6 * a + np.pi * a**2
+    v_rd = concrete_resistance(30, 500, 0.005) * 1e3 * 2 * d / a
+    ratio = 3000 * (1 - area / side**2) / (u * d) / v_rd
+    found = column(result, "G[1]")
+    assert found["v_ed"] / found["v_rd_c"] == pytest.approx(ratio.max(), rel=1e-6)

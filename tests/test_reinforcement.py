@@ -162,6 +162,47 @@ def test_fields_extremes_probes_and_files_have_the_reinforcement(tmp_path: Path)
     assert (tmp_path / "all-reinforcement.png").stat().st_size > 10_000
 
 
+def test_a_table_says_in_which_combination_and_where_a_section_cannot_resist() -> None:
+    """The required areas are enveloped by default; at a column without footprint the mean moment counts."""
+    factors = [{"name": name, "factors": {"load": factor}} for name, factor in (("light", 1.0), ("heavy", 14.0))]
+    changes: Any = {"combination": factors, "mesh": {"divisions": [8, 8]}}
+    columns = {"name": "columns", "at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "both"}
+    for supports in ({}, {"support": [columns]}):
+        model = slab(**changes, **supports, output={"combinations": "table"})
+        said = [one for one in results_json(solve(model))["table"]["warnings"] if "infinite" in one]
+        assert said and all('"heavy"' in one and "[" in one for one in said)
+        assert any("mean" in one for one in said) == bool(supports)
+        own = [one for one in solve(slab(**changes, **supports))["heavy"].warnings if "infinite" in one]
+        assert own and not any("infinite" in one for one in solve(slab(**changes, **supports))["light"].warnings)
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_where_the_minimum_governs_is_flagged_at_probes_and_extremes(several: bool) -> None:
+    """Bars along x need more than the minimum under 12 kN/m², and the minimum under 1 kN/m²."""
+    factors = [{"name": name, "factors": {"load": factor}} for name, factor in (("light", 1 / 12), ("heavy", 1.0))]
+    changes: Any = {
+        "combination": factors,
+        "output": {"combinations": "table", "fields": "all", "envelope": ["as_x_bottom"]},
+    }
+    strip = [{"line": [[0, 2], [4, 2]], "width": 1, "stations": 3}]
+    model = slab(**changes, probe=[{"at": [[2, 2], [0.2, 2]]}], strip=strip)
+    if several:
+        tables = model.model_dump(exclude_unset=True) | {"plates": {"slab": model.plate.model_dump(exclude_unset=True)}}
+        named = {key: [{**tables[key][0], "plate": "slab"}] for key in ("support", "load", "probe", "strip")}
+        model = Model(**{key: of for key, of in tables.items() if key != "plate"} | named)
+    found = results_json(solve(model))
+    light, heavy = found["combinations"]
+    assert light["probes"][0]["minimum_governs"] == {"bottom": [True, True], "top": [False, False]}
+    assert heavy["probes"][0]["minimum_governs"]["bottom"][0] is False
+    assert [one["fields"]["as_x_bottom"]["minimum_governs"] for one in (light, heavy)] == [True, False]
+    assert light["strips"][0]["stations"][1]["minimum_governs"] == {"bottom": True, "top": False}
+    assert heavy["strips"][0]["stations"][1]["minimum_governs"] == {"bottom": False, "top": False}
+    envelope = found["envelope"]
+    assert envelope["strips"][0]["stations"][1]["as"]["bottom"]["minimum_governs"] is False
+    assert [one["as_x_bottom"]["minimum_governs"] for one in envelope["probes"]] == [False, True]
+    assert envelope["fields"]["as_x_bottom"]["minimum_governs"] is False
+
+
 def test_where_the_section_is_too_thin_areas_are_infinite_and_a_warning_says_so(tmp_path: Path) -> None:
     results = solve(slab(load=[{"pressure": 120}]))
     one = results["all"]
@@ -245,6 +286,49 @@ def test_strips_have_the_design_moments_and_areas_of_their_means() -> None:
                     assert table.table[column][row] == pytest.approx(at.reinforcement[face], rel=1e-8, abs=1e-12)
     found = results_json(table)["envelope"]["strips"][0]["stations"][1]["as"]["bottom"]
     assert found["max"] == max(one.strips[0].stations[1].reinforcement["bottom"] for one in results.values())
+
+
+def test_bars_within_a_column_are_those_at_its_faces() -> None:
+    """A slab on a wall pier across it: fields, probes and strips, with several plates, in results and tables."""
+    wall = {"name": "wall", "at": [2, 0.5], "patch": [0.4, 1.0], "resists": "both"}
+    plates = {
+        "own": {"shape": "rectangle", "size": [4, 1], "thickness": 0.2},
+        "other": {"shape": "rectangle", "size": [1, 1], "origin": [9, 0], "thickness": 0.3},
+    }
+    ends = [{"name": "ends", "plate": "own", "edge": ["left", "right"], "fix": "clamped"}]
+    model = Model(
+        units=UNITS,
+        material={"E": 30e6, "nu": 0.0},
+        reinforcement=BARS | {"face": True},
+        plates=plates,
+        mesh={"size": 0.1},
+        support=[wall | {"plate": "own"}, *ends, {"plate": "other", "edge": "left", "fix": "clamped"}],
+        load=[{"plate": name, "case": "G", "pressure": 30} for name in plates],
+        combination=[{"name": "C", "factors": {"G": 1.0}}, {"name": "D", "factors": {"G": 0.5}}],
+        probe=[{"plate": "own", "at": [[2, 0.5], [1.9, 0.3], [1.5, 0.5]]}],
+        strip=[{"name": "s", "plate": "own", "line": [[0, 0.5], [4, 0.5]], "width": 0.8, "stations": 41}],
+        output={"combinations": "each"},
+    )
+    results = solve(model)
+    result, table = results["C"], solve(model.model_copy(update={"output": Output(combinations="table")}))
+    centre, inside, beyond = result.probes
+    station = {round(one.at[0], 6): one for one in result.strips[0].stations}
+    left, right = station[1.8].moment, station[2.2].moment
+    face = 0.5 * (left + right)
+    assert centre.moment[0] < 1.05 * face < 0  # hogging is larger at the middle than at the face
+    for probe in (centre, inside):
+        assert probe.design_moment["top"][0] == pytest.approx(face, rel=0.01)
+    assert beyond.design_moment["top"][0] == pytest.approx(min(beyond.moment[0] - abs(beyond.moment[2]), 0), rel=1e-9)
+    assert station[2.0].design_moment["top"] == pytest.approx(min(left, right), rel=1e-6)
+    assert station[2.0].moment < 1.05 * min(left, right)
+    own = result.plates["own"]
+    near = np.abs(own.stress_nodes.points[:, 0] - 2.0) <= 0.2
+    assert own.fields["mx_top"][near] == pytest.approx(face, rel=0.01)
+    whole = result.fields["mx_top"]
+    assert np.sort(whole) == pytest.approx(np.sort([v for of in result.plates.values() for v in of.fields["mx_top"]]))
+    assert own.probe((2, 0.5))[0].reinforcement == centre.reinforcement
+    for column in ("probe[1]:as_x_top", "strip[s][21]:as_top"):
+        assert table.table[column] == pytest.approx(results.table[column], rel=1e-8)
 
 
 def test_bars_at_columns_are_designed_for_the_means_there() -> None:

@@ -34,6 +34,8 @@ from signorini.results.quantities import Catalogue
 from signorini.results.result import Result
 from signorini.results.support_result import EdgeCouples, SupportResult
 from signorini.singularities.singularity import Singularity
+from signorini.studies.study import study
+from signorini.studies.summary import Study
 
 # fmt: off
 __all__ = [
@@ -45,8 +47,8 @@ __all__ = [
     "PathEvent", "PathStop", "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress",
     "Punching", "RectanglePlate", "Refinement", "Reinforcement", "Report", "Result", "Results", "RowProblem",
     "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult", "Stiffness", "Strip",
-    "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone",
+    "StripResult", "Study", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Verification", "Zone",
     "__version__", "check_results", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover",
-    "report", "schema", "solve", "tightened", "validate", "verify", "with_rows", "write",
+    "report", "schema", "solve", "study", "tightened", "validate", "verify", "with_rows", "write",
 ]
 # fmt: on

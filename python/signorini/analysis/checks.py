@@ -33,7 +33,8 @@ class CheckResult:
     # position of the extreme of a field, or name of the object with the number, such as "probe[1]"
     place: tuple[float, float] | str | None
     without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
-    passed: bool | None  # True if utilisation + ± ≤ 1 and no equilibrium is missing, False if utilisation − ± > 1
+    # True if utilisation + ± ≤ 1 in all combinations and no equilibrium is missing, False if utilisation − ± > 1 in one
+    passed: bool | None
     verdict: str  # the same in words
 
 
@@ -41,7 +42,8 @@ def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
     if model.check and (catalogue := catalogue_of(discretisation, with_extremes(model))) and model.tabulated:
-        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check)
+        advice = 'It needs the whole answer of each combination: give output.combinations = "each".'
+        require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check, advice=advice)
 
 
 def check_results(results: Results, estimates: Estimates | None = None) -> tuple[CheckResult, ...]:
@@ -73,10 +75,11 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     known = [(float(values[place]), int(by[place])) for values, by in ends if by[place] != NONE]
     if check.of == OVERTURNING and missing:
         # Its utilisation exceeds 1 where the plate has no equilibrium.
-        factors = load_factors(results.discretisation, [combinations[row] for row in missing], check.grows)
+        growing = check.growing(results.model.cases)
+        factors = load_factors(results.discretisation, [combinations[row] for row in missing], growing)
         with np.errstate(divide="ignore"):
             known += zip((1.0 / factors).tolist(), missing, strict=True)
-    used = [float(value / check.limit_of(np.array(value))) for value, _ in known]
+    used = [float(check.used(np.array(value))) for value, _ in known]
     if not used:
         verdict = "no equilibrium" if missing else "no value"
         return CheckResult(check.name, check.of, None, None, None, None, None, None, len(missing), None, verdict)
@@ -85,29 +88,40 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     width = None if estimates is None else estimates.half_width(f"utilisation:{check.name}", row)
     if estimates is not None and row in missing and not results.model.has_limits:
         width = 0.0
-    passed, verdict = judged(utilisation, width, estimates is not None, len(missing))
+    reach = (-math.inf, -math.inf) if estimates is None else estimates.reach(check)
+    passed, verdict = judged(utilisation, width, estimates is not None, len(missing), reach)
     where = None if check.of == OVERTURNING else _place(results[name], index)
     own, part, half = (value, utilisation, width) if math.isfinite(utilisation) else (None, None, None)
     return CheckResult(check.name, check.of, own, limit, part, half, name, where, len(missing), passed, verdict)
 
 
-def judged(utilisation: float, width: float | None, estimated: bool, missing: int) -> tuple[bool | None, str]:
+def judged(
+    utilisation: float,
+    width: float | None,
+    estimated: bool,
+    missing: int,
+    reach: tuple[float, float] = (-math.inf, -math.inf),
+) -> tuple[bool | None, str]:
     """Whether a check passes, and the verdict in words.
 
-    ``width`` is the half-width of the utilisation, None if unknown; ``missing`` combinations have no equilibrium.
+    ``width`` is the half-width of the largest utilisation, None if unknown; ``missing`` combinations have no
+    equilibrium. ``reach`` is the largest utilisation − ± and utilisation + ± over all combinations with half-widths.
 
     Examples
     --------
     >>> judged(0.9, 0.2, estimated=True, missing=0)
     (None, 'undecided: 1 is within ±')
+    >>> judged(0.9, 0.05, estimated=True, missing=0, reach=(0.85, 1.1))
+    (None, 'undecided: 1 is within ±')
     """
-    if utilisation - (width or 0.0) > 1.0:
+    low, high = max(utilisation - (width or 0.0), reach[0]), max(utilisation + (width or 0.0), reach[1])
+    if low > 1.0:
         return False, "failed"
     if missing:
         return None, "no equilibrium"
     if estimated and width is None:
         return None, "± unknown"
-    if utilisation + (width or 0.0) > 1.0:
+    if high > 1.0:
         return None, "undecided: 1 is within ±"
     return True, "passed"
 

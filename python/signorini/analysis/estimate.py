@@ -13,7 +13,7 @@ import numpy as np
 
 from signorini.accuracy.comparison import Estimate, Meshes, PathEstimate, compare, known
 from signorini.accuracy.half_width import FASTEST_OF_POINTS, acts_at_points, half_widths, rounded
-from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes, without
+from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes, ends_of, without
 from signorini.analysis.results import Results
 from signorini.analysis.sampler import LINEAR, SMOOTH, PathLoads, Sampler, State, Watch, root
 from signorini.analysis.single import solve_one
@@ -25,6 +25,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, SignoriniError
 from signorini.mesh import Mesh
+from signorini.model import Check
 from signorini.results.exact_path import ExactPath
 from signorini.results.load_path import AT_LIMIT, LoadPath, factors_named
 from signorini.results.path_events import Threshold
@@ -226,6 +227,14 @@ class Estimates(Brief, Mapping[str, Estimate]):
         if self.of_table is not None:
             return self.of_table.width(column, row)
         return known(float(self._listed[row, by_column[column]]))
+
+    def reach(self, check: Check) -> tuple[float, float]:
+        """Largest utilisation − ± and utilisation + ± of a check over all combinations; −∞ without half-widths."""
+        column = f"utilisation:{check.name}"
+        if self.of_table is not None:
+            return self.of_table.reach.get(column, (-math.inf, -math.inf))
+        widths = self.table.get(column + ENDING)
+        return (-math.inf, -math.inf) if widths is None else ends_of(np.asarray(self.results.table[column]), widths)
 
     @property
     def no_others(self) -> str:

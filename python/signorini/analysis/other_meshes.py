@@ -165,6 +165,8 @@ class EstimatedTable:
     """Half-widths (k,) of the columns, by ``<column>:plus_minus``; empty if the table is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
     """Half-widths of the extremes of envelopes by (column, row), if the table is in a file."""
+    reach: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Largest utilisation − ± and utilisation + ± over all rows, by column of the check's utilisation."""
 
     @classmethod
     def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:
@@ -190,9 +192,11 @@ class EstimatedTable:
             rows = _Rows(results.discretisation, results.combined.layout, in_order)
             combinations = results.combined.combinations
             if table is not None:
-                return cls(others, why, picked=_widen(Path(table), files, rows, order, results.combined))
+                picked, reach = _widen(Path(table), files, rows, order, results.combined)
+                return cls(others, why, picked=picked, reach=reach)
             tables = [rows_of(combined, partial(solve_rows, of, watching(None, ""))) for combined, of in every]
-            return cls(others, why, rows.widths([tables[place] for place in order], combinations[:]))
+            widths = rows.widths(in_turn := [tables[place] for place in order], combinations[:])
+            return cls(others, why, widths, reach=rows.reach(in_turn, widths))
         finally:
             for file in files:
                 file.unlink()
@@ -241,6 +245,15 @@ class _Rows:
         found = {one.column: width for one, width in zip(numbers, out, strict=True)}
         return {column + ENDING: width for column, width in (found | self._of_checks(found, shown)).items()}
 
+    def reach(
+        self, tables: Sequence[Mapping[str, Column]], widths: Mapping[str, Floats]
+    ) -> dict[str, tuple[float, float]]:
+        """Largest ends of the intervals utilisation ± half-width over k rows, by column of each utilisation."""
+        columns = [one.column for one in self.layout.catalogue if one.check and one.what == "utilisation"]
+        shown = tables[self.meshes.own]
+        told = (column for column in columns if column in shown and column + ENDING in widths)
+        return {column: ends_of(np.asarray(shown[column]), widths[column + ENDING]) for column in told}
+
     def _of_checks(self, widths: Mapping[str, Floats], shown: Mapping[str, Column]) -> dict[str, Floats]:
         """Half-widths (k,) of the columns of checks, from those of other columns and the columns of this mesh."""
         catalogue = self.layout.catalogue
@@ -284,19 +297,40 @@ class _Rows:
         return result
 
 
+def ends_of(values: Floats, widths: Floats) -> tuple[float, float]:
+    """Largest value − half-width and value + half-width of k values; −∞ if none has a half-width.
+
+    Examples
+    --------
+    >>> ends_of(np.array([0.9, 0.5, np.nan]), np.array([0.05, 0.6, np.nan]))
+    (0.85, 1.1)
+    """
+    low, high = (float(np.fmax.reduce(of, initial=-np.inf)) for of in (values - widths, values + widths))
+    return low, high
+
+
 def _widen(
     table: Path, files: Sequence[Path], rows: _Rows, order: Sequence[int], combined: Combined
-) -> Mapping[tuple[str, int], float]:
-    """Add columns of half-widths to the table in a file; return the half-widths of the extremes of envelopes."""
+) -> tuple[Mapping[tuple[str, int], float], Mapping[str, tuple[float, float]]]:
+    """Add columns of half-widths to the table in a file.
+
+    Returns the half-widths of the extremes of envelopes, and `EstimatedTable.reach`.
+    """
     # pyarrow is imported only here.
     from signorini.formats.parquet import widen
 
     wanted, picked, first = _wanted(combined), dict[tuple[str, int], float](), 0
+    reach = dict[str, tuple[float, float]]()
 
     def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
         nonlocal first
         count = len(next(iter(blocks[0].values())))
-        result = rows.widths([blocks[place] for place in order], combined.combinations[first : first + count])
+        result = rows.widths(
+            in_turn := [blocks[place] for place in order], combined.combinations[first : first + count]
+        )
+        for column, (low, high) in rows.reach(in_turn, result).items():
+            known_low, known_high = reach.get(column, (-np.inf, -np.inf))
+            reach[column] = max(low, known_low), max(high, known_high)
         for column, numbers in wanted.items():
             here = [number for number in numbers if first <= number < first + count]
             if column + ENDING in result:
@@ -305,7 +339,7 @@ def _widen(
         return result
 
     widen(table, files, more)
-    return picked
+    return picked, reach
 
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:

@@ -45,6 +45,8 @@ _OPTIONS = {
     "output": "--output",
     "no_error": "--no-error",
     "pdf": "--pdf",
+    "shard": "--shard",
+    "scheduler": "--scheduler",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """Command-line option for each argument of `signorini.path` and `read_dxf`."""
@@ -337,6 +339,52 @@ def report(
         print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
         _refuse(results.unbalanced, results.unbalanced_count)
+
+
+@app.command(short_help="Solve many variants of a model.", epilog="Example: signorini study study.toml --workers 8")
+def study(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The study, TOML.", show_default=False)],
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=4096, metavar="N", help="Number of local processes. [default: one per core]"),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Solve on the cluster of this Dask scheduler.")
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="I/N", help="Solve every N-th variant from number I on, in an array of jobs.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the table. [default: FILE-study]")
+    ] = None,
+) -> None:
+    """Solve a model for many values of its parameters; write study.parquet and pictures; print quantiles.
+
+    Run it again to go on after an interruption: finished variants are not solved again.
+    """
+    with _messages(file):
+        from signorini.cli.studies import live_table, print_study
+        from signorini.studies.cluster import solvers
+        from signorini.studies.study import run
+        from signorini.studies.studyfile import load_study
+        from signorini.studies.writing import write_study
+
+        plan, part = load_study(file), None if shard is None else _part(shard)
+        directory = output if output is not None else file.with_name(f"{file.stem}-study")
+        with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
+            result = run(plan, solver, directory, part, show)
+        written = write_study(result, directory, plan)
+        print_study(streams.stdout(), result)
+        streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
+
+
+def _part(text: str) -> tuple[int, int]:
+    """Parse the value I/N of ``--shard``."""
+    try:
+        number, count = (int(part) for part in text.split("/"))
+    except ValueError:
+        raise InputError(f"found {text!r}; it must be I/N, such as 1/8.", place="shard") from None
+    return number, count
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:

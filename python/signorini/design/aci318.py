@@ -22,6 +22,7 @@ CLAUSES = {
     "v_ed": "ACI 318-19, 8.4.4.2.3 and R8.4.4.2.3 (vu)",
     "v_rd_c": "ACI 318-19, 22.6.5.2 (φ vc)",
     "v_rd_max": "ACI 318-19, 22.6.6.3 (φ 0.5 √f'c)",
+    "with_links": "ACI 318-19, 22.6.6.3",
     "asw": "ACI 318-19, 22.6.6.1 and 22.6.7.2 (Av/s)",
     "uout": "ACI 318-19, 22.6.6.1 (φ 0.17 λs λ √f'c)",
 }
@@ -107,5 +108,5 @@ class Punching:
         links = np.where(v_u > v_c, (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT)), 0.0)
         beta = np.divide(v_u, mean, out=np.ones(len(force)), where=mean > 0.0)
         at_face, most = np.abs(force) / (face * depth), PHI * 0.5 * root_of(self.fck)
-        lengths, forces = (face, bo, v_u * bo / reduced), (force, inside[:, 0])
-        return numbered(*lengths, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, links)
+        lengths, forces = (face, bo, np.where(links > 0.0, v_u * bo / reduced, np.nan)), (force, inside[:, 0])
+        return numbered(*lengths, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, v_u / most, links)

@@ -1,4 +1,7 @@
-"""ASCE/SEI 7-22, chapter 2: combinations of loads for strength design (LRFD) and allowable stress design (ASD)."""
+"""ASCE/SEI 7-22, chapter 2: combinations of loads for strength design (LRFD) and allowable stress design (ASD).
+
+Snow loads of this edition are at strength level: 1.0 S, 0.3 S and, in rule 6, 0.15 S. ASCE/SEI 7-16 has 1.6, 0.5, 0.2.
+"""
 
 import re
 from collections.abc import Iterator, Mapping

@@ -36,6 +36,7 @@ GAMMA: Mapping[str, Gamma] = {
     "6.10ab": _STR,
     "EQU": _EQU,
     "accidental": {**_UNIT, "accidental": (1.0,)},
+    "seismic": {**_UNIT, "seismic": (1.0,)},
     "characteristic": _UNIT,
     "frequent": _UNIT,
     "quasi-permanent": _UNIT,
@@ -63,11 +64,12 @@ EXPRESSIONS: Mapping[str, tuple[Expression, ...]] = {
     "6.10ab": (Expression("6.10a", None, PSI0), Expression("6.10b", FULL, PSI0, reduced=True)),
     "EQU": (Expression("EQU", FULL, PSI0),),
     "accidental": (Expression("accidental", PSI1, PSI2),),
+    "seismic": (Expression("seismic", None, PSI2),),
     "characteristic": (Expression("characteristic", FULL, PSI0),),
     "frequent": (Expression("frequent", PSI1, PSI2),),
     "quasi-permanent": (Expression("quasi-permanent", None, PSI2),),
 }
-"""Expressions 6.10 to 6.11b (6.4.3) and 6.14b to 6.16b (6.5.3)."""
+"""Expressions 6.10 to 6.12b (6.4.3) and 6.14b to 6.16b (6.5.3)."""
 
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:
@@ -77,16 +79,16 @@ def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI
     representative value of the leading variable action in 6.11b.
     """
     factors = {**GAMMA[name], **gamma}
-    accidental = {"accidental": Factor(factors["accidental"])} if "accidental" in factors else {}
+    event = {kind: Factor(factors[kind]) for kind in ("accidental", "seismic") if kind in factors}
     for label, leading, others, reduced in EXPRESSIONS[name]:
         unfavourable, *favourable = factors["permanent"]
         permanent = (xi * unfavourable if reduced else unfavourable, *favourable)
-        always = {"permanent": Factor(permanent), "preload": Factor(factors["preload"]), **accidental}
-        values, needs = factors["variable"], next(iter(accidental), "")
+        always = {"permanent": Factor(permanent), "preload": Factor(factors["preload"])} | event
+        values, needs = factors["variable"], next(iter(event), "")
         if leading is None:
             yield Rule(label, {**always, "variable": Factor(values, others)}, needs=needs)
             continue
-        value = accidental_leading if accidental else leading
+        value = accidental_leading if event else leading
         lead = {"variable": Factor(values[:1], value)}
         yield Rule(label, {**always, "variable": Factor(values, others)}, lead, needs=needs)
         yield Rule(label, {**always, "variable": Factor(values[1:], others)}, needs=needs)

@@ -8,12 +8,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+from signorini.shapes.arrays import Bools, Floats
+
 STRENGTHS = (12.0, 90.0)
 """Range of fck, table 3.1."""
 YIELD_STRENGTHS = (400.0, 600.0)
 """Range of fyk, 3.2.2 (3)."""
 GAMMA_C, GAMMA_S, ALPHA_CC = 1.5, 1.15, 1.0
 """Partial factors of concrete and steel, table 2.1N, and coefficient αcc, 3.1.6 (1)."""
+_SAME = 1e-9
+"""Relative tolerance for areas that are the minimum."""
 MOST = 0.04
 """Largest As / Ac, 9.2.1.1 (3)."""
 
@@ -38,6 +44,12 @@ class Bars(NamedTuple):
     """Largest As/h."""
     plain: float
     """Largest m/h² that needs no bars: smaller moments are rounding errors."""
+
+    def are_least(self, field: str, areas: float | Floats, thickness: float | Floats) -> Bools:
+        """Whether areas are the minimum at a thickness; ``field`` is their field, such as "as_x_bottom"."""
+        _, axis, face = field.split("_")
+        least = self.least * (thickness - getattr(self, f"{face}_{axis}"))
+        return np.asarray(np.isclose(areas, least, rtol=_SAME, atol=0.0))
 
 
 def compressive_strength(fck: float, gamma_c: float, alpha_cc: float) -> float:

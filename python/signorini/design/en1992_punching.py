@@ -1,6 +1,7 @@
 """Punching by EN 1992-1-1:2004, 6.4, with corrigenda and the amendment A1:2014. Units: MPa, mm, N.
 
-Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd (A1:2014). σcp = 0.
+Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd of A1:2014 in place of 0.5 ν fcd of the
+edition of 2004. σcp = 0.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ CLAUSES = {
     "v_ed": "EN 1992-1-1, 6.4.3, Eq. (6.38)",
     "v_rd_c": "EN 1992-1-1, 6.4.4(1), Eq. (6.47)",
     "v_rd_max": "EN 1992-1-1, 6.4.5(3), A1:2014",
+    "with_links": "EN 1992-1-1, 6.4.5(1), A1:2014 (1.5 vRd,c)",
     "asw": "EN 1992-1-1, 6.4.5(1), Eq. (6.52)",
     "uout": "EN 1992-1-1, 6.4.5(4), Eq. (6.54)",
 }
@@ -35,7 +37,9 @@ ON_RAFTS = {
     "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
 }
 """Clauses of columns on foundations, in place of those in `CLAUSES`."""
-_DISTANCES = (np.arange(4, 17) / 8.0).tolist()
+MOST_WITH_LINKS = 1.5
+"""Largest vRd,cs relative to vRd,c: kmax of 6.4.5(1), A1:2014."""
+_DISTANCES = (np.arange(1, 17) / 8.0).tolist()
 """Distances of perimeters around a column on a foundation, relative to d: 6.4.4(2), a ≤ 2d."""
 
 
@@ -105,13 +109,13 @@ class Punching:
     def perimeters(self) -> Sequence[Perimeter]:
         """Control perimeters (p,): that at 2d, 6.4.2(1); on a foundation several at a ≤ 2d, 6.4.4(2).
 
-        A perimeter to a free edge encloses more of the pressure under a foundation. So the longer perimeter, which does
-        not run straight to edges, is checked as well.
+        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So the longer
+        perimeter, which does not run straight to edges, is checked as well, except for columns at an edge of a slab.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
         to_edges = [self.plan.perimeter(distance) for distance in distances]
-        around = [self.plan.perimeter(found.distance, to_edges=False) for found in to_edges if found.normals]
-        return [*(around if self.on_foundation else []), *to_edges]
+        longer = [found for found in to_edges if found.normals and (self.on_foundation or not self._edges(found))]
+        return [*(self.plan.perimeter(found.distance, to_edges=False) for found in longer), *to_edges]
 
     @property
     def basic(self) -> Perimeter:
@@ -162,8 +166,12 @@ class Punching:
         return _Shapes(*map(np.array, zip(*every, strict=True)))
 
     def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
-        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
-        return tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5).
+
+        On a pad that ends within d on both sides, the column does not stand at an edge.
+        """
+        near = (normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+        return tuple(normal for normal in near if self.plan.gap(-normal) > self.depth)
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
         """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""
@@ -175,8 +183,9 @@ class Punching:
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
         """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside the perimeters (k, p).
 
-        On a foundation they are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear
-        reinforcement: the larger one of vEd/vRd,c and of vEd/vRd,max at u0.
+        They are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear reinforcement:
+        the larger one of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are
+        required, uout is that of vRd,c by Eq. (6.47); on a foundation the pressure inside uout is not taken off.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
         of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)
@@ -185,6 +194,10 @@ class Punching:
         rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
         v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
         at_face = beta * np.abs(force) / (self.face_length * self.depth)
-        ratio, links = np.maximum(v_ed / v_rd_c, at_face / most), reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
-        lengths, forces = (self.face_length, u1, v_ed * u1 / v_rd_c), (force, inside[rows, worst])
-        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, ratio, links)
+        links = reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
+        most_with, most_at_face = v_ed / (MOST_WITH_LINKS * v_rd_c), at_face / most
+        ratios = np.maximum(v_ed / v_rd_c, most_at_face), np.maximum(most_with, most_at_face)
+        beyond = np.abs(force) if self.on_foundation else np.abs(net[rows, worst])
+        outer = np.where(links > 0.0, beta * beyond / (own * self.depth), np.nan)
+        lengths, forces = (self.face_length, u1, outer), (force, inside[rows, worst])
+        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, *ratios, links)

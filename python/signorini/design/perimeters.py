@@ -23,7 +23,7 @@ Positions: TypeAlias = npt.NDArray[np.complex128]
 
 NUMBERS = (
     *("u0", "u1", "uout", "force", "inside", "beta", "v_ed", "v_ed_face"),
-    *("v_rd_c", "v_rd_max", "utilisation", "asw"),
+    *("v_rd_c", "v_rd_max", "utilisation", "with_links", "asw"),
 )
 """Names of the numbers of a check."""
 _SAME = 1e-9
@@ -278,8 +278,8 @@ class Plan:
         return self._unshaded(pieces).length
 
     def gap(self, normal: complex) -> float:
-        """Distance of the column from the free edge with an outward normal."""
-        return min(gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME)
+        """Distance of the column from the free edge with an outward normal; infinite without such an edge."""
+        return min((gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
 
     def _unshaded(self, pieces: Pieces) -> Pieces:
         """Parts outside the sectors between tangents from the column's centre to openings."""

@@ -364,7 +364,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     supported = SupportedPlate(model.plate, mesh, plate, held, stiffness)
     springs, contacts = springs_and_contacts(supported, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
-    columns = Columns.of(model, mesh, problems)
+    columns = Columns.of(zones, mesh, problems)
     static = case_loads(zones, mesh, plate, held, sections, columns, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
     for index, probe in enumerate(model.probe):

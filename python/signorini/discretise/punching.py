@@ -18,6 +18,7 @@ from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, sides_of
 from signorini.discretise.rows import Floats
 from signorini.discretise.sections.sections import Spread
+from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Mesh
 from signorini.model import MeshPlate, Model
@@ -65,13 +66,13 @@ class Columns:
     columns: tuple[PunchedColumn, ...]
 
     @classmethod
-    def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Columns:
+    def of(cls, zones: Zones, mesh: Mesh, problems: Problems) -> Columns:
         """Make the columns of a model; errors are collected in ``problems``."""
         result = []
-        for column in model.columns:
+        for column in zones.model.columns:
             with problems.collected():
                 try:
-                    result.append(_punched(model, mesh, column))
+                    result.append(_punched(zones, mesh, column))
                     _ = result[-1].regions
                 except InputError as error:
                     raise InputError(error.message, ("punching", column.table)) from None
@@ -152,23 +153,30 @@ def _over(region: Rounded, mesh: Mesh, order: int) -> Quadrature:
     return area_quadrature(mesh, region, order)
 
 
-def _punched(model: Model, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
-    table, units = model.punching[column.table], model.units
+def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
+    model, at = zones.model, np.array([column.at])
+    table, units, on_raft = model.punching[column.table], model.units, column.support is None
     length, force = 1e3 * METRES[units.length], NEWTONS[units.force]
-    d, stress = (table.d[0] * length, table.d[1] * length), force / length**2
-    given = None if table.beta == "computed" else table.beta
-    strengths, rings = (table.fck * stress, table.fyk * stress), [length * ring for ring in _rings(model, mesh)]
+    thickness = length * float(zones.nominal(zones.made_at(at).thickness, at)[0])
+    rho, d, fck, fyk = table.rho or (0.0, 0.0), table.d, table.fck, table.fyk
+    if (own := model.reinforcement) is not None and (bars := model.bars) is not None:
+        faces = (bars.bottom_x, bars.bottom_y) if on_raft else (bars.top_x, bars.top_y)
+        d = d or (thickness / length - faces[0], thickness / length - faces[1])
+        rho, fck, fyk = table.rho or (bars.least, bars.least), fck or own.fck, fyk or own.fyk
+    assert d is not None and fck is not None and fyk is not None  # They are required without [reinforcement].
+    if min(d) <= 0.0:
+        raise InputError("The plate is thinner than the distance of its bars from the face. Give d.")
+    given, depths = None if table.beta == "computed" else table.beta, (length * d[0], length * d[1])
+    strengths, rings = (fck * force / length**2, fyk * force / length**2), [length * r for r in _rings(model, mesh)]
     outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
     if isinstance(column.outline, Circle):
         outline = Column((length * complex(*column.outline.center),), length * column.outline.radius)
     if table.code == ACI_318:
-        thickness = length * float(model.plate.thickness(*np.array([column.at]).T)[0])
         plan = Plan.of(outline, rings, aci318.WITHIN * thickness)
-        check: Check = aci318.Punching(plan, d, *strengths, given)
+        check: Check = aci318.Punching(plan, depths, *strengths, given)
     else:
-        plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(d), widened=True)
-        on_raft = column.support is None
-        check = en1992_punching.Punching(plan, d, table.rho or (0.0, 0.0), *strengths, given, on_raft)
+        plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(depths), widened=True)
+        check = en1992_punching.Punching(plan, depths, rho, *strengths, given, on_raft)
     return PunchedColumn(column, check, table.code, length, force)
 
 

@@ -100,6 +100,18 @@ def _model(text: str, source: str, directory: Path) -> Model:
     return model
 
 
+def parsed(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
+    """Parse a TOML file; return its tables and its text.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no valid TOML.
+    """
+    text = _decoded(_content(path), path)
+    return _parse(text, os.path.basename(path)), text
+
+
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     """Add file and line to the places of an error that was raised after the file was read.
 

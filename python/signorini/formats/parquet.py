@@ -92,3 +92,24 @@ def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterat
         finally:
             if writer is not None:
                 writer.close()
+
+
+_ARROW = {int: pa.int64(), float: pa.float64(), str: pa.string(), bool: pa.bool_()}
+
+
+def write_rows(
+    path: str | os.PathLike[str],
+    rows: Iterable[Mapping[str, Any]],
+    types: Mapping[str, type],
+    metadata: Mapping[str, str],
+) -> None:
+    """Write rows with columns of the given Python types to a Parquet file, whole or not at all."""
+    schema = pa.schema([(name, _ARROW[kind]) for name, kind in types.items()], metadata=dict(metadata))
+    with replacing(path) as temporary:
+        pq.write_table(pa.Table.from_pylist(list(rows), schema), temporary)
+
+
+def read_rows(path: str | os.PathLike[str]) -> tuple[list[dict[str, Any]], Mapping[str, str]]:
+    """Read the rows and the metadata of a Parquet file."""
+    table = pq.read_table(path)
+    return table.to_pylist(), {name.decode(): text.decode() for name, text in (table.schema.metadata or {}).items()}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,8 +51,10 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping
 
     # A comment in XML must not contain "--".
     comment = "; ".join(f"{name}: {text}" for name, text in (metadata or {}).items()).replace("--", "- -")
+    # meshio writes names of fields as they are.
+    fields = {escape(name, {'"': "&quot;"}): values for name, values in mesh.point_data.items()}
     with replacing(path) as temporary:
-        meshio.vtu.write(temporary, mesh)
+        meshio.vtu.write(temporary, meshio.Mesh(mesh.points, mesh.cells, fields, mesh.cell_data))
         content = temporary.read_bytes()
         head = content.index(b"<VTKFile")
         temporary.write_bytes(content[:head] + f"<!-- {comment} -->\n".encode() + content[head:])

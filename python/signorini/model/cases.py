@@ -18,7 +18,7 @@ MOST_GENERATED = 100_000
 
 Code = Literal["en1990", "asce7"]
 RuleName = Literal[
-    "6.10", "6.10ab", "EQU", "accidental", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
+    "6.10", "6.10ab", "EQU", "accidental", "seismic", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
 ]
 RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
 """Names of the rules of each code."""
@@ -43,6 +43,7 @@ class Gamma(Table):
     variable: Gammas | None = Field(default=None, description="γQ of variable cases; 0: the case may be absent.")
     preload: Gammas | None = Field(default=None, description="γP of preloads.")
     accidental: Gammas | None = Field(default=None, description="γA of accidental cases.")
+    seismic: Gammas | None = Field(default=None, description="Factor of seismic cases, whose effects are AEd.")
 
     @property
     def values(self) -> dict[str, tuple[float, ...]]:
@@ -59,7 +60,7 @@ _Following = create_model("_Following", __base__=Table, **_FIELDS)
 class Case(_Following):
     """A load case as an action of a design code, for combinations with ``generate = "en1990"`` or ``"asce7"``."""
 
-    kind: Literal["permanent", "variable", "accidental", "preload"] | None = Field(
+    kind: Literal["permanent", "variable", "accidental", "seismic", "preload"] | None = Field(
         default=None, description="Kind of action, for en1990."
     )
     category: Literal["A", "B", "C", "D", "E", "F", "G", "H", "snow low", "snow high", "wind", "temperature"] | None = (
@@ -99,7 +100,7 @@ class Case(_Following):
             for key in (*own, *self.present(("group", "action"))):
                 yield (key,), f'{key} is not allowed with with = "{self.follows}", which has the key for both.'
         elif self.kind is None and self.asce is None:
-            yield ("kind",), "'kind' is missing. It must be one of permanent, variable, accidental, preload."
+            yield ("kind",), "'kind' is missing. It must be one of permanent, variable, accidental, seismic, preload."
         elif self.kind == "variable" and len(own) != 1:
             yield (), f"found {' and '.join(own) or 'neither category nor psi'}; a variable case needs one of the two."
         elif self.kind != "variable":
@@ -137,6 +138,13 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
                     yield ("cases", name, key), f"{found}; the cases of one {key} must have the same {which}."
 
 
+def growing_in(cases: Cases) -> tuple[str, ...]:
+    """Load cases that are neither permanent nor preloads."""
+    own = {name: cases.get(case.follows or name, case) for name, case in cases.items()}
+    still = ("permanent", "preload", "D", "P")
+    return tuple(name for name, case in own.items() if (case.kind or case.asce) not in still)
+
+
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
     """Message that names the load cases without a role in a code; empty if each has one."""
     key = _KEY_OF[code]
@@ -152,8 +160,8 @@ def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, 
         if case.follows is None:
             part = ("action", case.action) if case.action else ("case", name)
             together = ("group", case.group) if case.group else part
-            if code == "en1990" and case.kind == "accidental":
-                together = ("kind", case.kind)  # One accidental action acts at a time (6.11b).
+            if code == "en1990" and case.kind in ("accidental", "seismic"):
+                together = ("kind", case.kind)  # One accidental or seismic action acts at a time (6.11b, 6.12b).
             exclusive.setdefault(together, {}).setdefault(part, []).append(name)
 
     def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:

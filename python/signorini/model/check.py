@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import unknown
 from signorini.model import base
+from signorini.model.cases import Cases, growing_in
 from signorini.model.combination import Combination, Combinations
 from signorini.model.problems import as_list
 
@@ -47,16 +48,13 @@ class Check(base.Named):
     grows: tuple[base.Text, ...] = Field(
         default=(),
         description="For overturning: load cases that are multiplied by λ until equilibrium ends; the other cases "
-        "stay. The value is 1/λ.",
+        "stay. The value is 1/λ. Default with [cases]: all but permanent cases and preloads.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        if self.of == OVERTURNING:
-            if not self.grows:
-                yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
-        elif self.grows:
+        if self.of != OVERTURNING and self.grows:
             yield ("grows",), f'only a check of "{OVERTURNING}" has growing load cases. Remove grows.'
-        elif self.limit is None:
+        if self.of != OVERTURNING and self.limit is None:
             yield ("limit",), "it is missing. Give the largest allowed value."
         if self.limit is not None and not self.limit[0] < 0.0 < self.limit[1]:
             yield ("limit",), "it must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
@@ -72,12 +70,29 @@ class Check(base.Named):
         """Bounds (...) on the side of values (...)."""
         return np.where(values < 0.0, *self.bounds)
 
+    def used(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Utilisations (...) of values (...)."""
+        return np.asarray(values / self.limit_of(values))
+
+    def includes(self, group: str, combinations: Combinations) -> bool:
+        """Whether every combination of a group is checked; an empty group has all combinations."""
+        whole = combinations.groups.get(self.group, 0) == len(combinations)
+        return not self.combinations and (whole or self.group in ("", group))
+
     def applies_to(self, combination: Combination) -> bool:
         """Whether a combination is checked."""
         return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))
 
-    def complaints_of(self, cases: Sequence[str], combinations: Combinations) -> Iterator[base.Complaint]:
+    def growing(self, described: Cases) -> tuple[str, ...]:
+        """Load cases that grow until the plate overturns, by default those of [cases] that vary."""
+        return self.grows or growing_in(described)
+
+    def complaints_of(
+        self, cases: Sequence[str], combinations: Combinations, described: Cases
+    ) -> Iterator[base.Complaint]:
         """Yield the problems with the load cases and combinations of the model; places are relative to this table."""
+        if self.of == OVERTURNING and not self.growing(described):
+            yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
         for position, case in enumerate(self.grows):
             if case not in cases:
                 yield ("grows", position), unknown("load case", case, cases)

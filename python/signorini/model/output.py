@@ -26,8 +26,9 @@ from signorini.model.base import (
 from signorini.model.places import Circle
 from signorini.model.problems import as_list, describe
 from signorini.model.where import curve_of
-from signorini.shapes import Ring
+from signorini.shapes import Region, Ring
 from signorini.shapes.arrays import Floats
+from signorini.shapes.distances import depth
 from signorini.shapes.regions import meeting
 
 MAX_FULL_RESULTS = 12
@@ -82,7 +83,8 @@ class Output(Table):
     )
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
-        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none.",
+        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none. "
+        "With [reinforcement] the default has the required areas, too.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -94,6 +96,10 @@ class Output(Table):
             yield ("envelope",), f'"{repeated}" is listed twice.'
 
 
+_IN_COLUMN = 1e-9
+"""Tolerance for stations on the outline of a column, relative to its size."""
+_HALVINGS = 50
+"""Number of bisections that find where a strip enters a column."""
 _STRIP_STATIONS = 21
 """Default number of stations of a strip.
 
@@ -159,8 +165,12 @@ class Strip(OnPlate, Named):
     @property
     def places(self) -> tuple[Floats, Floats]:
         """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects the two sides."""
-        segments = np.diff(np.array(self.line), axis=0)
-        corners, s, points = _equal_steps(self.line, self.stations)
+        return self._at(_equal_steps(self.line, self.stations)[1])
+
+    def _at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Points (n, 2) and unit tangents (n, 2) at arc lengths (n,) of the center line."""
+        segments, (corners, *_) = np.diff(np.array(self.line), axis=0), _equal_steps(self.line, self.stations)
+        points = np.column_stack([np.interp(s, corners, axis) for axis in np.array(self.line).T])
         rounding = 1e-9 * corners[-1]
         before, after = (
             np.clip(np.searchsorted(corners, s + sign * rounding) - 1, 0, len(segments) - 1) for sign in (-1.0, 1.0)
@@ -172,7 +182,25 @@ class Strip(OnPlate, Named):
     @property
     def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
         """Ends of the cross line at each station; the center line passes from the left to the right of this line."""
-        points, tangents = self.places
+        return self._across(*self.places)
+
+    def faces(self, column: Region) -> Iterator[tuple[int, tuple[Point, Point]]]:
+        """Yield stations within a convex region, each with the ends of the cross line at each end of the region.
+
+        Cross lines beyond the ends of the strip are left out.
+        """
+        s, size = _equal_steps(self.line, self.stations)[1], math.dist(*np.array(column.bounds).reshape(2, 2))
+        for station in np.flatnonzero(depth(column, self.places[0]) > _IN_COLUMN * size).tolist():
+            for sign in (-1.0, 1.0):
+                inside, outside = s[station], s[station] + sign * size
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (inside + outside)
+                    within = depth(column, self._at(np.array([middle]))[0])[0] > 0.0
+                    inside, outside = (middle, outside) if within else (inside, middle)
+                if 0.0 < outside < s[-1]:
+                    yield station, self._across(*self._at(np.array([outside])))[0]
+
+    def _across(self, points: Floats, tangents: Floats) -> list[tuple[Point, Point]]:
         half = 0.5 * self.width * np.column_stack([tangents[:, 1], -tangents[:, 0]])
         return [(tuple(a), tuple(b)) for a, b in zip((points + half).tolist(), (points - half).tolist(), strict=True)]
 

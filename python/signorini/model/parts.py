@@ -94,7 +94,9 @@ class Part(Generic[M]):
         title = ", ".join(part for part in (whole.title, self.name) if part)
         # The copy keeps the combinations of the whole model, which are computed here.
         _ = whole.effective_combinations
-        return whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), check=(), title=title)
+        result = whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), check=(), title=title)
+        result.__dict__["_part"] = self.name
+        return result
 
     @property
     def _replaced(self) -> tuple[str, ...]:

@@ -34,9 +34,10 @@ class ColumnAt(NamedTuple):
     outline: Whole
 
 
-class Punching(base.OnPlate):
+class Punching(base.OnPlate, base.Named):
     """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
 
+    name: base.Text = Field(default="", description="Name of the columns; default that of the support or load case.")
     support: base.Text | None = Field(
         default=None, description="Name of the support whose points are the columns: at points, or one area."
     )
@@ -55,10 +56,22 @@ class Punching(base.OnPlate):
     angle: base.Number = Field(
         default=0.0, description="Angle in degrees from the x axis to the first side of the rectangle `column`."
     )
-    d: Pair = Field(description="Effective depths [dx, dy] of the reinforcement.")
-    rho: Pair | None = Field(default=None, description="Ratios [ρx, ρy] of the reinforcement; required by EN 1992.")
-    fck: base.Positive = Field(description="Strength of the concrete, fck or f'c, as force per area.")
-    fyk: base.Positive = Field(description="Strength of the shear reinforcement, fyk or fyt, as force per area.")
+    d: Pair | None = Field(
+        default=None,
+        description="Effective depths [dx, dy] of the reinforcement; default thickness at the column less the "
+        "distances of [reinforcement], at the top over supports, at the bottom of rafts.",
+    )
+    rho: Pair | None = Field(
+        default=None,
+        description="Ratios [ρx, ρy] of the reinforcement, for EN 1992; default the minimum with [reinforcement].",
+    )
+    fck: base.Positive | None = Field(
+        default=None, description="Strength of concrete, fck or f'c, as force per area; default of [reinforcement]."
+    )
+    fyk: base.Positive | None = Field(
+        default=None,
+        description="Strength of shear reinforcement, fyk or fyt, as force per area; default of [reinforcement].",
+    )
     beta: Literal["computed"] | base.Positive = Field(
         default="computed", description="Factor β of the unbalanced moment: computed, or a number."
     )
@@ -67,8 +80,11 @@ class Punching(base.OnPlate):
         for keys, needed in ((("support", "load"), 1), (("column", "diameter"), 0)):
             if not needed <= len(found := self.present(keys)) <= 1:
                 yield (), f"found {' and '.join(found) or 'none'} of {' and '.join(keys)}; give one."
-        if self.code == EN_1992 and self.rho is None:
-            yield ("rho",), f"'rho' is missing; {EN_1992} needs the ratios of reinforcement [ρx, ρy]."
+
+    @property
+    def columns_name(self) -> str:
+        """Name of the columns without their numbers."""
+        return self.name or self.support or self.load or ""
 
     def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
         """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
@@ -84,7 +100,7 @@ class Punching(base.OnPlate):
             elif support.name == self.support:
                 places += [(support, at, index) for at in support.at or ()]
         for point, (acting, at, support_index) in enumerate(places):
-            outline, subject = self._outline(acting, at), f"punching:{self.support or self.load}[{point + 1}]"
+            outline, subject = self._outline(acting, at), f"punching:{self.columns_name}[{point + 1}]"
             yield None if outline is None else ColumnAt(subject, table, point, support_index, at, outline)
 
     def _outline(self, acting: Acting, at: tuple[float, float]) -> Whole | None:
@@ -95,8 +111,16 @@ class Punching(base.OnPlate):
         region = where.footprints[where.points.index(at)] if where.footprints else where.region
         return region.around if isinstance(region, Hollow) else region
 
-    def complaints_of(self, supports: Sequence[Support], loads: Sequence[Load], units: Any) -> Iterator[base.Complaint]:
-        """Yield the problems with other tables of the model; places are relative to this table."""
+    def complaints_of(
+        self, supports: Sequence[Support], loads: Sequence[Load], units: Any, reinforced: bool
+    ) -> Iterator[base.Complaint]:
+        """Yield the problems with other tables of the model; places are relative to this table.
+
+        ``reinforced`` says whether the model has [reinforcement].
+        """
+        needed = ("d", "rho", "fck", "fyk") if self.code == EN_1992 else ("d", "fck", "fyk")
+        for key in (key for key in needed if not reinforced and getattr(self, key) is None):
+            yield (key,), f"'{key}' is missing. Give it, or a table [reinforcement], from which it is taken."
         names, columns = [support.name for support in supports], list(self.columns(supports, loads))
         if self.support is not None and self.support not in names:
             yield ("support",), unknown("support", self.support, names)
@@ -112,11 +136,10 @@ class Punching(base.OnPlate):
             if unit not in known:
                 yield (), f"{self.code} needs a known unit of {key} in units; found {unit!r} of {', '.join(known)}."
                 return
-        unit, strength = (
-            f"{units.force}/{units.length}²",
-            self.fck * NEWTONS[units.force] * 1e-6 / METRES[units.length] ** 2,
-        )
-        if not _STRENGTHS[0] <= strength <= _STRENGTHS[1]:
+        if self.fck is None:
+            return
+        unit, pascals = f"{units.force}/{units.length}²", NEWTONS[units.force] / METRES[units.length] ** 2
+        if not _STRENGTHS[0] <= (strength := self.fck * pascals * 1e-6) <= _STRENGTHS[1]:
             yield ("fck",), f"found {self.fck:g} {unit}, which is {strength:.3g} MPa; give 5 to 120 MPa in {unit}."
 
 

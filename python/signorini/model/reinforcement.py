@@ -40,8 +40,8 @@ class Reinforcement(Table):
     )
     face: bool = Field(
         default=False,
-        description="Whether design moments within the radius of a column, a singular point of a support, are those of "
-        "the mean moments there.",
+        description="Whether design moments within a column are those at its faces. Columns are footprints of supports "
+        "at points; at a singular point the mean moments over its radius count.",
     )
     gamma_c: Positive = Field(default=en1992.GAMMA_C, description="Partial factor γC of concrete.")
     gamma_s: Positive = Field(default=en1992.GAMMA_S, description="Partial factor γS of the bars.")

@@ -46,6 +46,7 @@ from signorini.model.report import Report
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
+from signorini.shapes import Region
 
 _MAX_ELEMENTS = 10_000_000
 """Largest number of elements of a regular mesh; a larger number is a typing error, and its mesh fits into no memory."""
@@ -273,6 +274,12 @@ class Model(Table):
         original: Model = self.__dict__.get("_original", self)
         return original
 
+    @property
+    def part(self) -> str:
+        """Name of the plate, if this is the model of one of several plates; else empty."""
+        name: str = self.__dict__.get("_part", "")
+        return name
+
     def _cached(self) -> dict[str, Any]:
         """Entries of ``__dict__`` that are no fields: cached properties, the input file, the original model."""
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
@@ -402,8 +409,14 @@ class Model(Table):
         return None if own is None else own.section(units.length, units.force)
 
     @property
+    def footprints(self) -> tuple[tuple[tuple[float, float], Region], ...]:
+        """Points of supports with their footprints."""
+        places = (support.where for support in self.support if support.at)
+        return tuple(pair for where in places for pair in zip(where.points, where.footprints, strict=False))
+
+    @property
     def at_faces(self) -> bool:
-        """Whether bars at columns are designed for mean moments, see `Reinforcement.face`."""
+        """Whether bars at columns are designed for moments at the faces, see `Reinforcement.face`."""
         return self.reinforcement is not None and self.reinforcement.face
 
     @property
@@ -434,11 +447,11 @@ class Model(Table):
         yield from self._combination_complaints()
         yield from self._preload_complaints()
         for index, punching in enumerate(self.punching):
-            complaints = punching.complaints_of(self.support, self.load, self.units)
+            complaints = punching.complaints_of(self.support, self.load, self.units, self.reinforcement is not None)
             yield from ((("punching", index, *path), message) for path, message in complaints)
         cases = tuple(dict.fromkeys([*(load.case for load in self.load), *self.positions]))
         for index, check in enumerate(self.check):
-            complaints = check.complaints_of(cases, self.effective_combinations)
+            complaints = check.complaints_of(cases, self.effective_combinations, self.cases)
             yield from ((("check", index, *path), message) for path, message in complaints)
         yield from self._reinforcement_complaints()
 
@@ -446,8 +459,6 @@ class Model(Table):
         if self.reinforcement is not None:
             found = self.reinforcement.complaints_in(self.units.length, self.units.force)
             yield from ((("reinforcement", *place), message) for place, message in found)
-            if self.at_faces and self.plates:
-                yield ("reinforcement", "face"), "face is for one plate; remove it, and use the means at columns."
             return
         for position, name in enumerate(self.output.envelope):
             if name.startswith("as_"):

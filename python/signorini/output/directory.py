@@ -14,11 +14,10 @@ from signorini.base.files import locked, require_free, temporary_directory
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.model import Model
-from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
+from signorini.output.names import CSV, JSON, OF_ALL, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
 
-_OURS = re.compile(
-    r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|results\.(json|xlsx)|combinations\.parquet"
-)
+_OF_ONE = re.compile(r"[\w.+-]+\.(vtu|png)")
+"""Names of the files of one combination, and of pictures of envelopes and profiles."""
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _LARGEST_ACCOUNT = 1_000_000_000
@@ -31,7 +30,7 @@ def former_results(directory: Path) -> list[str]:
         entries = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
         # In schema 1 of results.json, the entries of the list are file names.
         named = (entry["file"] if isinstance(entry, dict) else entry for entry in entries)
-        names = [name for name in named if _OURS.fullmatch(name)]
+        names = [name for name in named if name in OF_ALL or _OF_ONE.fullmatch(name)]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return []
     return names if {JSON, CSV} <= set(names) else []

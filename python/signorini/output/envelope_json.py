@@ -13,15 +13,20 @@ from signorini.accuracy.comparison import Meshes, compared, known
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.base.on_demand import kept
+from signorini.discretise import Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Floats
-from signorini.discretise.stressnodes import StressNodes
 from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
+from signorini.results.checks import utilisations
 from signorini.results.envelope import NONE, Envelope
+from signorini.results.extremes import least_at
 from signorini.results.figures import columns_named, with_widths
+from signorini.results.local_results import least_along
 from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
-from signorini.results.warnings import idle_cases, model_warnings, too_far
+from signorini.results.warnings import idle_cases, model_warnings, rows_too_thin, too_far
 from signorini.singularities.beside import beside_of
 from signorini.singularities.named import excluding, singularities
 
@@ -46,13 +51,14 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Yield warnings about the model and, if deflections are enveloped, about large deflections."""
+    """Yield warnings about the model and, if they are enveloped, about deflections and required reinforcement."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest
         yield from too_far(results.discretisation, np.where(down, extremes.largest, extremes.smallest))
+    yield from rows_too_thin(results.envelope, results.key)
     if estimates is not None and estimates.no_others:
         yield estimates.no_others
 
@@ -168,9 +174,12 @@ class _Shown:
                 if row == NONE
                 else {side: None if np.isinf(value) else value, f"{side}_by": results.key(row)}
             )
+            place = list[float]()
             if one.home in ("field", "mean"):
                 place = envelope.places[one.owner, ENDS.index(side)].tolist()
                 at[f"{side}_at"] = None if row == NONE else place
+            if one.quantity.kind == "reinforcement" and one.home != "mean" and side == "max":
+                at["minimum_governs"] = None if row == NONE else _is_least(results, one, value, place)
             if one.home == "mean":
                 of = excluding(results.discretisation, one.quantity.singular, cases)
                 named = [part for part in of if one.over_plates or part.plate == path[1]]
@@ -210,6 +219,31 @@ class _Shown:
         return extremes
 
 
+def _is_least(results: Results, one: Number, area: float, place: Sequence[float]) -> bool:
+    """Whether an area of bars at a node's ``place``, at a probe or at a station of a strip is the minimum."""
+    found, name, bars = results.discretisation, one.quantity.name, results.model.bars
+    assert bars is not None  # There are no areas of bars without [reinforcement].
+    if one.home == "field":
+        return least_at(name, area, place, bars, found.stress_nodes, found.node_thickness)
+    if one.home == "probe":
+        return bool(bars.are_least(name, area, _at_probes(found)[one.owner]))
+    member = next(plate for plate in found.members if one.owner in plate.numbers["strip"])
+    own = member.numbers["strip"].index(one.owner)
+    counts = [strip.stations for strip in member.own.model.strip]
+    every = [area] * sum(counts)
+    return bool(least_along(member.own, name.removeprefix("as_"), every)[sum(counts[:own]) + one.part])
+
+
+@kept
+def _at_probes(found: Discretisation) -> Floats:
+    """Thickness (q,) at all probes of a model."""
+    tables = dict[int, Floats]()
+    for plate in found.members:
+        ends = np.cumsum([len(probe.at) for probe in plate.own.model.probe])
+        tables |= zip(plate.numbers["probe"], np.split(plate.own.probe_thickness, ends), strict=False)
+    return np.concatenate([tables[index] for index in sorted(tables)])
+
+
 def _width_at(results: Results, place: Sequence[float]) -> float:
     return max(beside_of(plate).width_at(place) for plate in results.discretisation.each)
 
@@ -226,10 +260,14 @@ def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
 
 
 def write_envelope(
-    nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str], metadata: Mapping[str, str]
+    plate: OfWhole, envelope: Envelope, group: str, path: str | os.PathLike[str], metadata: Mapping[str, str]
 ) -> None:
-    """Write a .vtu file with the extremes of every field at the nodes, and the row numbers of their combinations."""
-    mesh = nodes.mesh
+    """Write a .vtu file with the extremes of a group at the nodes of a plate, and the numbers of their rows.
+
+    Extremes are those of every field, and the largest utilisation of each check that includes the group.
+    """
+    nodes, model = plate.own.stress_nodes, plate.own.model
+    mesh, envelope = nodes.mesh, envelope.on(plate)
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}
     fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
@@ -241,5 +279,9 @@ def write_envelope(
                 data = np.full(count, float(elsewhere))
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
+    for name, (field, check) in utilisations(model).items():
+        if field in envelope.fields and check.includes(group, model.effective_combinations):
+            values, rows = envelope.utilisation(field, check)
+            at_nodes |= {f"{name}_max": values, f"{name}_max_row": rows.astype(np.float64)}
     at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
     write_vtu(path, as_meshio(nodes.points, nodes.elements, at_nodes, of_elements), metadata)

@@ -22,6 +22,8 @@ GOVERNING, CHECKS = "governing.csv", "checks.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
+OF_ALL = frozenset((JSON, CSV, TABLE, XLSX, GOVERNING, CHECKS, PROFILES_CSV, REFINEMENT))
+"""Names of the files of all combinations; files of one combination are pictures and .vtu files."""
 DEFORMED, PRESSURE, MOMENTS, SHEARS, REACTIONS = "-deformed", "-pressure", "-moments", "-shears", "-reactions"
 BARS = "-reinforcement"
 """Suffixes that a picture's file name has after the combination's name; a picture of deflections has none."""

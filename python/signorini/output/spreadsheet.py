@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
 from signorini.formats.xlsx import Cell, Sheet
 from signorini.model import Units
+from signorini.output.by_combination import by_combination
 from signorini.results.quantities import BY_LIST, SIDES, Path, Quantity, quantity_at
 
 _LISTS = {
@@ -71,19 +70,18 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
 
 
 def _combinations(results: Results, units: Units) -> Sheet:
-    """Factors of every combination; total reactions as well, if the table of all combinations is stored."""
-    combinations, stored = results.model.effective_combinations, results.combined.rows or {}
+    """Factors of every combination; numbers of supports and utilisations, if the table of combinations is stored."""
+    combinations, numbers = results.model.effective_combinations, by_combination(results)
     acting = combinations.cases
     cases = [case for case in results.discretisation.cases if case in acting]
-    reactions = [column for column in stored if column.startswith("reaction:")]
-    numbers = [np.asarray(stored[column]).tolist() for column in reactions]
+    columns = [values.tolist() for _, values in numbers]
 
     def rows() -> Iterator[Sequence[Cell]]:
         for row, one in enumerate(combinations):
             factors = one.factors or {}
-            yield (one.name, one.group, *map(factors.get, cases), *(_finite(column[row]) for column in numbers))
+            yield (one.name, one.group, *map(factors.get, cases), *(_finite(column[row]) for column in columns))
 
-    titles = [f"{column}{in_unit(units.force)}" for column in reactions]
+    titles = [f"{one.subject}: {one.quantity.label(units)}" for one, _ in numbers]
     return Sheet("Combinations", ["combination", "group", *(f"factor of {case}" for case in cases), *titles], rows())
 
 

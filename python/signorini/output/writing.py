@@ -156,9 +156,8 @@ def write_results(
                 draw_profiles(results, beside, pictures)
             plates = {one.name: one for one in results.discretisation.members}
             for (group, plate), name in envelope_files(results).items():
-                of = plates[plate]
-                envelope = results.combined.over(group).on(of)
-                write_envelope(of.own.stress_nodes, envelope, beside / name, results.model.provenance.metadata)
+                metadata = results.model.provenance.metadata
+                write_envelope(plates[plate], results.combined.over(group), group, beside / name, metadata)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:

@@ -8,8 +8,11 @@ from itertools import islice
 from operator import itemgetter
 from typing import Any
 
+import numpy as np
+
 from signorini.analysis.checks import judged
 from signorini.analysis.results import Results
+from signorini.output.by_combination import by_combination
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
@@ -259,6 +262,29 @@ def reactions(of: Contents) -> Iterator[Block]:
             [*head, *(names[at] for at in columns)],
             rows,
         )
+    yield from _by_combination(of)
+
+
+def _by_combination(of: Contents) -> Iterator[Block]:
+    """Yield the numbers of areas, and the utilisations of checks and columns, in every combination."""
+    write, model = of.write, of.results.model
+    areas = {support.name for support in model.support if support.area is not None}
+    numbers = [pair for pair in by_combination(of.results) if pair[0].home != "support" or pair[0].subject in areas]
+    for first in range(0, len(numbers), _ACROSS):
+        some = numbers[first : first + _ACROSS]
+        sizes = [float(np.nanmax(np.abs(values), initial=0.0)) for _, values in some]
+        rows = [
+            [
+                Cell(of.short(one.name)),
+                *(
+                    write.number(None if np.isnan(own[row]) else float(own[row]), size=size)
+                    for (_, own), size in zip(some, sizes, strict=True)
+                ),
+            ]
+            for row, one in enumerate(model.effective_combinations)
+        ]
+        head = [write("combination"), *(f"{one.subject}: {write.label(one.quantity)}" for one, _ in some)]
+        yield Table(_part(write("by_combination"), first, len(numbers)), head, rows)
 
 
 def fields(of: Contents) -> Iterator[Block]:

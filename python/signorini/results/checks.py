@@ -14,7 +14,7 @@ from signorini.equilibrium.stability import load_factors
 from signorini.errors import InputError
 from signorini.model import Check, Combination, Model
 from signorini.model.check import OVERTURNING
-from signorini.results.quantities import ENDS, FIELDS, Catalogue, measures, on_plate, with_extremes
+from signorini.results.quantities import ENDS, FIELDS, PICTURED, Catalogue, Quantity, measures, on_plate, with_extremes
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class CheckedNumbers:
 
     def governing(self, values: Floats) -> tuple[Ints, Floats]:
         """Index (k,) in ``measured`` of the number with the largest utilisation, and the utilisation; NaN if absent."""
-        used = values[:, self.measured] / self.check.limit_of(values[:, self.measured])
+        used = self.check.used(values[:, self.measured])
         which = np.where(np.isnan(used), -np.inf, used).argmax(axis=1)
         return which, np.take_along_axis(used, which[:, None], axis=1)[:, 0]
 
@@ -62,6 +62,21 @@ def checked_fields(model: Model) -> tuple[str, ...]:
     return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
 
 
+def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
+    """Field and check by name of the field of the check's utilisation, such as "utilisation:plate stress"."""
+    fields = {name: field for field in with_extremes(model) for name in (field, on_plate(field, model.part))}
+    checks = (check for check in model.original.check if check.of in fields)
+    return {f"utilisation:{check.name}": (fields[check.of], check) for check in checks}
+
+
+def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
+    """Quantity of a field, of the pressure or of a utilisation, and the quantity that it is computed from."""
+    if field in PICTURED:
+        return PICTURED[field], PICTURED[field]
+    measured, check = utilisations(model)[field]
+    return Quantity(field, "part", f"utilisation, {check.name}"), PICTURED[measured]
+
+
 def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combination] | None = None) -> Floats:
     """Numbers (k, n) with values and utilisations of checks; NaN in combinations that a check does not include."""
     result = values.copy()
@@ -84,7 +99,8 @@ def overturned(
     combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
         if one.check.of == OVERTURNING:
-            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, one.check.grows)
+            growing = one.check.growing(discretisation.model.cases)
+            result[rows, one.value] = 1.0 / load_factors(discretisation, combinations, growing)
     return result
 
 
@@ -106,10 +122,12 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
     return result
 
 
-def require_measured(discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check) -> None:
+def require_measured(
+    discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check, advice: str = "Remove the check."
+) -> None:
     """Refuse checks of numbers that a catalogue lacks; ``what`` has the numbers of the catalogue."""
     known = [one.check for one in checks_in(catalogue)]
     for check in checks:
         if check not in known:
             index = discretisation.model.check.index(check)
-            raise InputError(f'{what} has no "{check.of}". Remove the check.', place=("check", index, "of"))
+            raise InputError(f'{what} has no "{check.of}". {advice}', place=("check", index, "of"))

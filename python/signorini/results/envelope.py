@@ -19,7 +19,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
-from signorini.model import Model
+from signorini.model import Check, Model
 from signorini.results.quantities import ENDS, PEAKING, SIDES, FieldGroup, Home
 from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
@@ -222,6 +222,14 @@ class Envelope:
         """
         high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
+
+    def utilisation(self, field: str, check: Check) -> tuple[Floats, Ints]:
+        """Largest utilisation (n,) of a check of a field, and the rows (n,) that it comes from; NaN without a row."""
+        sides = self.fields[field].sides
+        used = [np.where(by == NONE, -np.inf, check.used(values)) for values, by in sides]
+        smallest = used[1] > used[0]
+        values, rows = np.where(smallest, used[1], used[0]), np.where(smallest, sides[1][1], sides[0][1])
+        return np.where(rows == NONE, np.nan, values), rows
 
     def places_of(self, name: str) -> Floats:
         """Positions (2, 2) of the largest and the smallest value of a field; ``name`` is as in `field`."""

@@ -14,8 +14,8 @@ from signorini.design.en1992_bending import Bars
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
-from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, derived
-from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
+from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, OF_BARS, PEAKING, RESULTANTS, derived
+from signorini.singularities.beside import PEAKS, Beside, Face, at_faces, beside_of, faces_of, means_of
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity, away_from
 
@@ -83,6 +83,12 @@ class FieldExtremes:
         return cls(*ends[0], *ends[1])
 
 
+def least_at(name: str, area: float, at: Sequence[float], bars: Bars, nodes: StressNodes, thickness: Floats) -> bool:
+    """Whether an area of the field ``name`` at a node's place is the minimum for a thickness there."""
+    apart = np.hypot(*(nodes.points - np.asarray(at)).T)
+    return bool(bars.are_least(name, area, thickness[apart <= apart.min()]).any())
+
+
 def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExtremes]:
     """Extremes of each field over several plates."""
     result = {}
@@ -132,7 +138,8 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools, bars: Bar
         return np.full((*values.shape[:-1], 2), np.nan), np.zeros((*values.shape[:-1], 2), np.int64)
     signed = np.stack([values, -values], axis=-2)
     most = np.fmax.reduce(signed, axis=-1)
-    near = signed >= (most - _ALIKE * np.fmax.reduce(np.abs(signed), axis=-1))[..., None]
+    size = np.fmax.reduce(np.where(np.isinf(signed), 0.0, np.abs(signed)), axis=-1)
+    near = signed >= (most - _ALIKE * size)[..., None]
     return most * [1.0, -1.0], near.argmax(axis=-1) // len(lines)
 
 
@@ -160,32 +167,35 @@ def extremes_under(
     discretisation: Discretisation, cases: Collection[str], values: Floats, names: Sequence[str]
 ) -> dict[str, FieldExtremes]:
     """Find the extremes of fields of one plate under load cases, from the linear fields (s, 8) at its stress nodes."""
-    moment, shear = values[:, 3:6], values[:, 6:]
-    fields = dict(zip(LINEAR, values.T, strict=True))
-    fields |= {
-        name: derived([name], moment, shear, discretisation.node_thickness, discretisation.model.bars)[:, 0]
-        for name in names
-        if name not in LINEAR
-    }
-    means = Means.of(discretisation, moment, shear, cases)
+    moment, shear, bars = values[:, 3:6], values[:, 6:], discretisation.model.bars
+    fields, means = dict(zip(LINEAR, values.T, strict=True)), Means.of(discretisation, moment, shear, cases)
+    of_bars = at_faces(means.faces, moment, moment, discretisation.stress_nodes.points)
+    for name in (name for name in names if name not in LINEAR):
+        own = of_bars if name in OF_BARS else moment
+        fields[name] = derived([name], own, shear, discretisation.node_thickness, bars)[:, 0]
     singular = singularities(discretisation, cases)
     return extremes(names, fields, discretisation.stress_nodes, singular, means)
 
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points with a singularity."""
+    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points with a singularity.
+
+    ``faces`` are the columns at which bars are designed for moments at faces.
+    """
 
     beside: Beside
     values: Floats
     acting: Bools
     bars: Bars | None
+    faces: tuple[Face, ...]
 
     @classmethod
     def of(cls, discretisation: Discretisation, moment: Floats, shear: Floats, cases: Collection[str]) -> Means:
         """Compute the means of one plate from moments (s, 3) and shears (s, 2) at the stress nodes."""
-        beside = beside_of(discretisation)
-        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases), discretisation.model.bars)
+        beside, model = beside_of(discretisation), discretisation.model
+        faces = faces_of(discretisation) if model.at_faces else ()
+        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases), model.bars, faces)
 
     def ends(self, name: str) -> dict[str, Any]:
         """Extremes of a field's means with positions and widths, as arguments of `FieldExtremes`."""

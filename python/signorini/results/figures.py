@@ -9,8 +9,18 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.model import Check, Model
-from signorini.results.local_results import SectionResult, StripResult
-from signorini.results.quantities import MEAN_SIDES, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Path
+from signorini.results.extremes import least_at
+from signorini.results.local_results import ProbeResult, SectionResult, StripResult
+from signorini.results.quantities import (
+    MEAN_SIDES,
+    OF_AREAS,
+    OF_LINES,
+    PEAKING,
+    REINFORCEMENT,
+    SIDES,
+    Catalogue,
+    Path,
+)
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
@@ -18,14 +28,14 @@ from signorini.results.support_result import SupportResult
 def figures(result: Result) -> dict[str, Any]:
     """Return the values of a combination's keys in results.json that are numbers of the result; see docs/results.md."""
     solved = result.status == "solved"
-    ends = {name: _places(name, of) for name, of in result.extremes.items()} if solved else {}
+    ends = _all_places(result) if solved else {}
     deflection = ends.pop("deflection", None)
     first = len(result.supports) - len(result.model.contact)
     values: dict[str, Any] = {
         "deflection": deflection and {key: deflection[key] for key in ("max_at", "min_at")},
         "fields": ends,
         "supports": [_support(support) for support in result.supports[:first]],
-        "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
+        "probes": [_probe(probe) for probe in result.probes],
         **line_places(result.sections, result.strips),
         **({"punching": [column.figures() for column in result.punching]} if result.punching else {}),
         **check_names(result.model.check),
@@ -38,7 +48,7 @@ def figures(result: Result) -> dict[str, Any]:
 
 def _of_plate(result: Result) -> dict[str, Any]:
     """JSON of one of several plates: the positions of its extremes."""
-    ends = {name: _places(name, of) for name, of in result.extremes.items()}
+    ends = _all_places(result)
     return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
@@ -64,7 +74,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
         case list():
             return [with_widths(value, widths, (*path, index)) for index, value in enumerate(tree)]
         case int() | float():
-            given = _GIVEN & set(path) and not _OF_THE_MESH & set(path)
+            given = _GIVEN & set(path[-2:]) and not _OF_THE_MESH & set(path)
             return 0.0 if given else widths.get(path)
         case _:
             return tree
@@ -72,7 +82,25 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
 """Keys without half-widths: lists whose length depends on the mesh, and positions, which may not be unique."""
-_GIVEN = {"at", "length", "width", *(f"{side}_width" for side in MEAN_SIDES)}
+_GIVEN = {"at", "length", "width", "d", "rho", "fck", "fyk", *(f"{side}_width" for side in MEAN_SIDES)}
+
+
+def _probe(probe: ProbeResult) -> dict[str, Any]:
+    """JSON of a probe without the numbers of its catalogue."""
+    least = probe.minimum_governs
+    of_bars = {} if least is None else {"minimum_governs": {face: list(of) for face, of in least.items()}}
+    return {"at": list(probe.at), "pressure": None, **of_bars}
+
+
+def _all_places(result: Result) -> dict[str, dict[str, Any]]:
+    """JSON of the extremes of every field without the extremes themselves."""
+    ends, bars = {name: _places(name, of) for name, of in result.extremes.items()}, result.model.bars
+    for name in ends:
+        if name not in REINFORCEMENT or bars is None:
+            continue
+        of = result.extremes[name]
+        ends[name]["minimum_governs"] = least_at(name, of.max, of.max_at, bars, result.stress_nodes, result.thickness)
+    return ends
 
 
 def _places(name: str, ends: Any) -> dict[str, Any]:
@@ -183,6 +211,13 @@ def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]
 
 
 def _strip(strip: StripResult) -> dict[str, Any]:
-    stations = [{"at": list(station.at), "width": station.width} for station in strip.stations]
+    stations = [
+        {
+            "at": list(one.at),
+            "width": one.width,
+            **({"minimum_governs": one.minimum_governs} if one.minimum_governs else {}),
+        }
+        for one in strip.stations
+    ]
     ends = {"max_at": list(strip.sagging.at), "min_at": list(strip.hogging.at)}
     return {"name": strip.name, **ends, "stations": stations}

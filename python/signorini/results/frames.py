@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from signorini.base.packages import package
-from signorini.results.quantities import FIELDS, Number
+from signorini.results.checks import quantity_of
+from signorini.results.quantities import Number
 from signorini.results.rows import Column
 from signorini.results.state import ResultState
 
@@ -56,7 +57,7 @@ def dataset(results: Mapping[str, ResultState]) -> Any:
     units, nodes = first.model.units, first.stress_nodes
     variables: dict[str, Any] = {}
     for name in first.fields:
-        quantity = FIELDS[name]
+        quantity, _ = quantity_of(first.model, name)
         values = np.stack([nodes.spread(one.fields[name]) for one in results.values()])
         variables[name] = (
             ("combination", "node"),

@@ -41,6 +41,8 @@ class ProbeResult:
         solid section.
     bars : Bars or None
         Section of reinforced concrete; None without [reinforcement].
+    of_bars : (mx, my, mxy) or None
+        Moments for the design of bars, see `Reinforcement.face`; None if they are ``moment``.
     """
 
     at: tuple[float, float]
@@ -52,6 +54,7 @@ class ProbeResult:
 
     thickness: float
     bars: Bars | None = None
+    of_bars: tuple[float, float, float] | None = None
 
     @property
     def principal_moment(self) -> tuple[float, float, float]:
@@ -82,13 +85,26 @@ class ProbeResult:
         """
         return self._at_faces("as_x", "as_y") if self.bars else None
 
+    @property
+    def minimum_governs(self) -> dict[str, tuple[bool, bool]] | None:
+        """Whether each `reinforcement` is the minimum; None without [reinforcement]."""
+        bars, areas = self.bars, self.reinforcement
+        if bars is None or areas is None:
+            return None
+        x, y = (
+            {face: bool(bars.are_least(f"as_{axis}_{face}", areas[face][at], self.thickness)) for face in areas}
+            for at, axis in enumerate("xy")
+        )
+        return {face: (x[face], y[face]) for face in areas}
+
     def _at_faces(self, x: str, y: str) -> dict[str, tuple[float, float]]:
-        a, b, c, d = self._derived(*(f"{name}_{face}" for face in ("bottom", "top") for name in (x, y)))
+        names = [f"{name}_{face}" for face in ("bottom", "top") for name in (x, y)]
+        a, b, c, d = self._derived(*names, moment=self.of_bars or self.moment)
         return {"bottom": (a, b), "top": (c, d)}
 
-    def _derived(self, *names: str) -> list[float]:
-        moment, shear, thickness = np.array(self.moment), np.array(self.shear), np.array(self.thickness)
-        values: list[float] = derived(names, moment, shear, thickness, self.bars).tolist()
+    def _derived(self, *names: str, moment: tuple[float, float, float] | None = None) -> list[float]:
+        given, shear, thickness = np.array(moment or self.moment), np.array(self.shear), np.array(self.thickness)
+        values: list[float] = derived(names, given, shear, thickness, self.bars).tolist()
         return values
 
     @property
@@ -108,16 +124,19 @@ class ProbeResult:
 
 
 def probe_results(
-    positions: Floats, fields: Floats, pressures: Floats, thickness: Floats, bars: Bars | None
+    positions: Floats, fields: Floats, pressures: Floats, thickness: Floats, bars: Bars | None, of_bars: Floats
 ) -> tuple[ProbeResult, ...]:
     """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,).
 
-    ``bars`` are `Model.bars`.
+    ``bars`` are `Model.bars`, ``of_bars`` (q, 3) the moments for which they are designed.
     """
-    columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
+    columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist(), of_bars.tolist()
     return tuple(
-        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h, bars)
-        for (x, y), v, p, h in zip(*columns, strict=True)
+        ProbeResult(
+            *((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7])),
+            *(None if np.isnan(p) else p, h, bars, (m[0], m[1], m[2])),
+        )
+        for (x, y), v, p, h, m in zip(*columns, strict=True)
     )
 
 
@@ -249,6 +268,8 @@ class StationResult:
     reinforcement : dict or None
         Required reinforcement along the strip at "bottom" and "top", area per length, NaN for strips that are not along
         x or y; None without [reinforcement].
+    minimum_governs : dict or None
+        Whether each ``reinforcement`` is the minimum; None without [reinforcement].
     """
 
     at: tuple[float, float]
@@ -258,6 +279,7 @@ class StationResult:
     shear: float
     design_moment: dict[str, float]
     reinforcement: dict[str, float] | None
+    minimum_governs: dict[str, bool] | None
 
 
 @dataclass(frozen=True)
@@ -306,13 +328,14 @@ _ACROSS = 9
 
 @kept
 def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
-    """Least thickness (c,) across the strips of one plate at their stations, and axis of the strip there.
+    """Least thickness (c,) across the strips of one plate at their cross lines, and axis of the strip there.
 
     The axis is 0 for x, 1 for y, −1 for other directions. The thickness is NaN where the section is given by its
     stiffness.
     """
-    nodes, strips = discretisation.stress_nodes, discretisation.model.strip
-    ends = np.array([ends for strip in strips for ends in strip.across]).reshape(-1, 2, 2)
+    nodes, strips, faces = discretisation.stress_nodes, discretisation.model.strip, discretisation.sections.faces
+    across = [ends for strip in strips for ends in strip.across]
+    ends = np.array([*across, *(ends for _, ends in faces)]).reshape(-1, 2, 2)
     part = np.linspace(0.01, 0.99, _ACROSS)[:, None]
     points = (ends[:, :1] + part * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
     point, where = nodes.mesh.holding(points)
@@ -321,20 +344,45 @@ def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
     with np.errstate(invalid="ignore"):
         np.minimum.at(thickness, point // _ACROSS, known)
     tangent = np.abs(np.concatenate([np.zeros((0, 2)), *(strip.places[1] for strip in strips)]))
-    return thickness, np.where(tangent[:, 1] < _ALONG, 0, np.where(tangent[:, 0] < _ALONG, 1, -1))
+    axis = np.where(tangent[:, 1] < _ALONG, 0, np.where(tangent[:, 0] < _ALONG, 1, -1))
+    return thickness, np.concatenate([axis, axis[np.array([station for station, _ in faces], np.int64)]])
+
+
+def designed(discretisation: Discretisation, what: str, through: Floats) -> Floats:
+    """Design moments or required reinforcement (..., c) at c stations of strips from means (..., c + f, 3).
+
+    The last f means are at faces of columns. A station in a column has the value of its larger face.
+    """
+    values = along_strips(what, through, *strip_sections(discretisation), discretisation.model.bars)
+    faces = np.array([station for station, _ in discretisation.sections.faces], np.int64)
+    count = values.shape[-1] - len(faces)
+    result = values[..., :count].copy()
+    for station in np.unique(faces):
+        own = values[..., count + np.flatnonzero(faces == station)]
+        result[..., station] = np.take_along_axis(own, np.abs(own).argmax(axis=-1)[..., None], axis=-1)[..., 0]
+    return result
+
+
+def least_along(discretisation: Discretisation, face: str, areas: Sequence[float]) -> Bools:
+    """Whether areas (c,) of bars along strips at their stations are the minimum for the thickness there."""
+    bars, count, (thickness, axis) = discretisation.model.bars, len(areas), strip_sections(discretisation)
+    assert bars is not None  # There are no areas of bars without [reinforcement].
+    x, y = (bars.are_least(f"as_{name}_{face}", np.array(areas), thickness[:count]) for name in "xy")
+    return np.where(axis[:count] == 0, x, y)
 
 
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
     """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
     lengths = discretisation.cut_lengths.tolist()
-    values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
+    values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=False))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]
     strips = []
     means, bars = through.reshape(-1, 3)[len(sections) :], discretisation.model.bars
     faces = {
-        what: along_strips(what, means, *strip_sections(discretisation), bars).tolist()
+        what: designed(discretisation, what, means).tolist()
         for what in (f"{name}_{face}" for name in (("moment", "as") if bars else ("moment",)) for face in _FACES)
     }
+    least = {f: least_along(discretisation, f, faces[f"as_{f}"]).tolist() for f in _FACES} if bars else {}
     number = iter(range(len(means)))
     for strip in discretisation.model.strip:
         stations = []
@@ -342,6 +390,7 @@ def section_results(discretisation: Discretisation, through: Floats) -> Sections
             length, moment, twist, shear = next(values)
             design = {face: faces[f"moment_{face}"][station] for face in _FACES}
             required = {face: faces[f"as_{face}"][station] for face in _FACES} if bars else None
-            stations.append(StationResult((x, y), length, moment, twist, shear, design, required))
+            governs = {face: least[face][station] for face in _FACES} if bars else None
+            stations.append(StationResult((x, y), length, moment, twist, shear, design, required, governs))
         strips.append(StripResult(strip.name, tuple(stations)))
     return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

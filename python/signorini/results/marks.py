@@ -32,17 +32,18 @@ from signorini.plot.picture import (
     ZoneMark,
 )
 from signorini.plot.view import seen
+from signorini.results.checks import quantity_of
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes, peak
 from signorini.results.line_reactions import Line, LineReactions
-from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
+from signorini.results.quantities import KINDS, PEAKING, PRESSURE
 from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
-from signorini.singularities.singularity import Singularity
+from signorini.singularities.singularity import Singularity, away_from
 
 _AROUND = 180
 _MOST_EDGES = 40
@@ -434,7 +435,7 @@ def panel(
     field: str, result: ResultState, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
 ) -> Panel:
     """Panel of a field, or of the pressure, with its extremes and, if known, their half-widths."""
-    of = PICTURED[field]
+    of, measured = quantity_of(result.model, field)
     label, map_of = of.label(result.model.units), KINDS[of.kind].colours
     limits = limits or field_range(field, result)
     if field == PRESSURE.name:
@@ -453,7 +454,7 @@ def panel(
         (extreme(name, value, values is not None, values and values[name]), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
-    hatched = discs(result.excluding(of.singular) if field in PEAKING else ())
+    hatched = discs(result.excluding(measured.singular) if measured.name in PEAKING else ())
     shown = drawable(result.stress_nodes.spread(result.fields[field]))
     return Panel(shown, limits, label, map_of, named, hatched=hatched)
 
@@ -542,6 +543,8 @@ def _written(value: float, told: bool, width: float | None) -> str:
 
 
 def _ends(field: str, result: ResultState) -> FieldExtremes:
-    nodes = result.stress_nodes
-    everywhere = np.ones(nodes.mesh.node_count, np.bool_)
-    return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)
+    if field in result.extremes:
+        return result.extremes[field]
+    nodes, measured = result.stress_nodes, quantity_of(result.model, field)[1]
+    singular = result.singular if measured.name in PEAKING else ()
+    return FieldExtremes.of(result.fields[field], nodes, away_from(nodes.mesh, singular, measured.singular))

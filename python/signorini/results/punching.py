@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.on_demand import kept
+from signorini.design import en1992_punching
 from signorini.design.perimeters import Positions
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import steps_of
@@ -61,12 +62,15 @@ class ColumnResult:
         )
 
     def figures(self) -> dict[str, Any]:
-        """Name, place, code, middles of openings, and clause of each number."""
+        """Name, place, code, depths, ratios, strengths, middles of openings, and clause of each number."""
         check, length = self.column.check, self.column.length
+        given: dict[str, Any] = {"d": [d / length for d in check.d]}
+        given |= {"rho": list(check.rho)} if isinstance(check, en1992_punching.Punching) else {}
+        given |= {key: getattr(check, key) * length**2 / self.column.force for key in ("fck", "fyk")}
         middles = [opening.centroid for opening in check.plan.openings]
         openings = [[middle.x / length, middle.y / length] for middle in middles]
         place = {"name": self.name, "at": list(self.at), "code": self.column.code}
-        return place | {"openings": openings, "clauses": dict(check.clauses)}
+        return place | given | {"openings": openings, "clauses": dict(check.clauses)}
 
 
 def in_units(column: PunchedColumn, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:

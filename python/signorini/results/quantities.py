@@ -366,6 +366,7 @@ OF_COLUMNS = (
     Quantity("v_rd_c", "stress", "vRd,c, resistance without shear reinforcement", enveloped=False, along_paths=False),
     Quantity("v_rd_max", "stress", "vRd,max, largest resistance", tabled=False, along_paths=False),
     Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
+    Quantity("with_links", "part", "utilisation, with the most links", along_paths=False),
     Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
     Quantity("uout", "length", "uout, length of the outer perimeter", along_paths=False),
 )
@@ -404,6 +405,8 @@ EXTREMES: tuple[Home, ...] = ("field", "mean")
 """Owners ("homes") of the extremes of fields, and of the extremes of means at singular places."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
 """Owners ("homes") whose numbers are read one owner at a time."""
+_OF_ANSWERS = ("prying", "piece")
+"""Names of quantities that need the whole answer, not only readings."""
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
@@ -520,6 +523,11 @@ class Number:
         return str(self.path[-1]) if self.home in EXTREMES else self.quantity.name
 
     @property
+    def group(self) -> tuple[Home, int, str]:
+        """Key of the numbers that are read together: home, owner, name; for probes and stations the owner is 0."""
+        return self.home, self.owner if self.home in _OF_ONE else 0, self.what
+
+    @property
     def key(self) -> Key:
         """Home; owner or name of the extreme; name of the quantity: equal for the components of one quantity."""
         return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
@@ -584,6 +592,26 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
         quantity = replace(quantity, along_paths=False)
     path = ("checks", index, quantity.name)
     return Number(quantity, "check", index, path, check.name, 0, True, False, check)
+
+
+def _is_tabled(model: Model, number: Number) -> bool:
+    """Whether a check measures a number that only then has a column; sums of load cases do not have every number."""
+    line = number.what == "closed_part" and model.support[number.owner].along_line
+    missing = bool(model.plates) or line or number.what in _OF_ANSWERS
+    return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
+
+
+def _require_unique(numbers: Sequence[Number], model: Model) -> None:
+    """Raise `InputError` if two numbers have one name, such as those of a support "a[1]" and of point 1 of "a"."""
+    first: dict[str, Number] = {}
+    for one in numbers:
+        if (other := first.setdefault(one.name, one)) is not one:
+            table = {"point": "support", "corner": "support", "station": "strip"}.get(one.home, one.home)
+            index = model.columns[one.owner].table if one.home == "punching" else one.owner
+            why = (
+                f'"{one.name}" is a number of a {other.home} and of another {one.home}. Give one of them another name.'
+            )
+            raise InputError(why, (table, index, "name"))
 
 
 def of_points(support: Support) -> tuple[Quantity, ...]:
@@ -653,6 +681,8 @@ class Catalogue:
             for one in OF_COLUMNS:
                 path = ("punching", index, *one.path)
                 result.append(Number(one, "punching", index, path, column.subject, 0, one.tabled))
+        measured = {one.group for one in result if _is_tabled(model, one)}
+        result = [replace(one, tabled=one.tabled or one.group in measured) for one in result]
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
         for index, (plate, name) in enumerate(enveloped):
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)
@@ -662,6 +692,7 @@ class Catalogue:
                 result += [Number(FIELDS[name], "mean", index, (*path, side), subject) for side in MEAN_SIDES]
         for index, check in enumerate(model.check):
             result += [_of_check(one, check, index, result) for one in OF_CHECKS]
+        _require_unique(result, model)
         return cls(tuple(result))
 
     def __len__(self) -> int:
@@ -716,11 +747,10 @@ class Catalogue:
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Indices of numbers that are read together, by (home, owner, name); for probes and stations the owner is 0."""
+        """Indices of numbers that are read together, by `Number.group`."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
-            owner = one.owner if one.home in _OF_ONE else 0
-            groups.setdefault((one.home, owner, one.what), []).append(place)
+            groups.setdefault(one.group, []).append(place)
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
     def of_members(self, each: Sequence[Floats]) -> Floats:

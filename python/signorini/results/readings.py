@@ -28,10 +28,11 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.contact_field.kern import kern_of
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.local_results import strip_sections, total_pressure
+from signorini.results.local_results import designed, total_pressure
 from signorini.results.punching import in_units, points_inside
-from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, along_strips, derived
+from signorini.results.quantities import EXTREMES, LINEAR, OF_BARS, OF_COLUMNS, Catalogue, Home, derived
 from signorini.results.support_points import SupportPoints, closed_part
+from signorini.singularities.beside import at_faces, faces_of
 
 _TOGETHER = 500_000
 """Largest number of nodal deflections in memory at once (4 MB) while contact areas are computed."""
@@ -79,6 +80,8 @@ class Linear(NamedTuple):
 
     probes: Floats
     """(k, q', 8): fields at every probe, on each side of a jump; the last axis is in the order of `LINEAR`."""
+    of_bars: Floats
+    """(k, q', 3): moments for the design of bars there, see `Reinforcement.face`; q' = 0 if they are those fields."""
     through: Floats
     """(k, 3c): moment, twist and shear of every section, then their means at every station of the strips."""
     forces: Floats
@@ -174,8 +177,10 @@ class Reader:
             turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:])
             of_lines = [line.couples @ turned.ravel() for line in self.lines.values() if line.couples is not None]
             on_lines = nothing + of_lines
+        faces, positions = faces_of(found) if found.model.at_faces else (), found.probe_positions[sides.point]
         return Linear(
             at_probes,
+            at_faces(faces, fields[:, 3:6], at_probes[:, 3:6], positions) if faces else np.zeros((0, 3)),
             found.through(load, hi, lo, reaction, forces.springs),
             np.concatenate(nothing + of_supports),
             np.concatenate(nothing + couples),
@@ -332,12 +337,21 @@ class Readings:
         return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
+    def of_bars(self) -> Floats:
+        """Moments (k, q, 3) for the design of bars at probes."""
+        values = self.linear.of_bars
+        return self.discretisation.probe_sides.larger(values) if values.shape[1] else self.probes[..., 3:6]
+
+    @cached_property
     def pressures(self) -> Floats:
         """Contact pressures (k, q) at probes; NaN where there is no area support."""
         found = self.discretisation
-        areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
-        of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
-        return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
+        areas = [one for one in self.supports if one.support.area is not None and one.index not in self.upon]
+        result, step = list[Floats](), max(1, _TOGETHER // found.mesh.node_count)
+        for some in (slice(first, first + step) for first in range(0, len(self.shared), step)):
+            of_each = zip(*(one.areas(some) for one in areas), strict=True) if areas else [()] * len(self.shared[some])
+            result += [total_pressure(of_one, found.probe_positions) for of_one in of_each]
+        return np.array(result).reshape(len(self.shared), len(found.probe_positions))
 
     def deflections(self, some: slice) -> Floats:
         """Deflections (k', n) of the solutions in a slice; of sums only those around areas are known, others are 0."""
@@ -354,12 +368,13 @@ class Readings:
         if what in LINEAR:
             return self.probes[..., list(LINEAR).index(what)]
         moment, shear, found = self.probes[..., 3:6], self.probes[..., 6:], self.discretisation
+        moment = self.of_bars if what in OF_BARS else moment
         return derived([what], moment, shear, found.probe_thickness, found.model.bars)[..., 0]
 
     def _at_stations(self, what: str, through: Floats) -> Floats:
         if what in _THROUGH:
-            return _THROUGH[what](through)
-        return along_strips(what, through, *strip_sections(self.discretisation), self.discretisation.model.bars)
+            return _THROUGH[what](through)[:, : through.shape[1] - len(self.discretisation.sections.faces)]
+        return designed(self.discretisation, what, through)
 
     @property
     def _through(self) -> Floats:
@@ -441,10 +456,17 @@ class SupportReading:
 
     @property
     def closed_part(self) -> Floats:
-        """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area."""
-        areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
-        pairs = zip(self.of.answers, areas.tolist(), strict=True)
-        return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
+        """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area.
+
+        That of a line needs ``answers``.
+        """
+        weights = self.points.weights
+        if not weights.sum() > 0.0:
+            return np.ones(len(self.closed))
+        if self.support.along_line:
+            return np.array([closed_part(self.of.discretisation, self.points, one) for one in self.of.answers])
+        touching = self.contact_area if self.support.area is not None else self.closed @ weights
+        return np.asarray(np.clip(touching / weights.sum(), 0.0, 1.0))
 
     @cached_property
     def at_rest(self) -> AreaContact:
@@ -463,16 +485,15 @@ class SupportReading:
         """Deflections (k, a), around areas, of the other plate on which this plate rests; None without such a plate."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
-    @cached_property
-    def areas(self) -> tuple[AreaContact, ...]:
-        """Contact of the area support in each of the k answers."""
-        columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
+    def areas(self, some: slice = slice(None)) -> tuple[AreaContact, ...]:
+        """Contact of the area support in the solutions of a slice."""
+        columns = zip(self.above(some), self.of.shared[some], self.closed[some], self.reactions[some], strict=True)
         return tuple(
             area_contact(
                 *(self.of.discretisation, self.index, above),
-                *(self.points.centres(self.of.discretisation, answer.shared), closed, reactions),
+                *(self.points.centres(self.of.discretisation, shared), closed, reactions),
             )
-            for above, answer, closed, reactions in columns
+            for above, shared, closed, reactions in columns
         )
 
     @property
@@ -532,7 +553,7 @@ class SupportReading:
     @property
     def yielded_area(self) -> Floats:
         """Areas (k,) of the support in which the limit is reached."""
-        return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
+        return np.array([area.yielding(own) for area, own in zip(self.areas(), self.yielded, strict=True)], np.float64)
 
     @cached_property
     def per_length(self) -> tuple[Floats, Floats]:

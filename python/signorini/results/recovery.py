@@ -27,6 +27,7 @@ from signorini.results.readings import Readings, SupportForces
 from signorini.results.result import Result
 from signorini.results.support_result import support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
+from signorini.singularities.beside import at_faces
 from signorini.singularities.named import singularities
 
 
@@ -68,6 +69,8 @@ def recovered(
     )
     model, at, thick = discretisation.model, discretisation.probe_positions, discretisation.probe_thickness
     catalogue = catalogue_of(discretisation, with_extremes(model))
+    means = Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting)
+    of_bars = at_faces(means.faces, stress[:, :3], stress[:, :3], nodes.points)
     return Result(
         name=load_of if isinstance(load_of, str) else load_of.name,
         status="solved",
@@ -86,16 +89,17 @@ def recovered(
         shear=stress[:, 3:],
         nodal_reaction=nodal_reaction[::3],
         supports=supports,
-        probes=probe_results(at, readings.probes[0], readings.pressures[0], thick, model.bars),
+        probes=probe_results(at, readings.probes[0], readings.pressures[0], thick, model.bars, readings.of_bars[0]),
         **section_results(discretisation, readings.linear.through[0]),
         seconds=time.perf_counter() - begun,
-        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique, stress),
+        warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique, of_bars, means),
         singular=singularities(discretisation, load.acting),
         thickness=thickness,
         catalogue=catalogue,
         _read=overturned(discretisation, catalogue, readings.numbers(catalogue), [load_of])[0],
         combination=None if isinstance(load_of, str) else load_of,
-        means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
+        means=means,
+        moment_of_bars=of_bars if model.at_faces else None,
         punching=Listed(column_results(discretisation, readings.punching), "punching"),
     )
 
@@ -128,10 +132,11 @@ def _of_plates(
         return Listed((result[which] for which in sorted(result)), key)
 
     nodes = discretisation.stress_nodes
-    stress = np.empty((nodes.count, 5))
+    stress, of_bars = np.empty((nodes.count, 5)), np.empty((nodes.count, 3))
     for one in each:
         of = plates[one.name]
         stress[one.stress_nodes] = np.column_stack([of.moment, of.shear])
+        of_bars[one.stress_nodes] = of.moment if of.moment_of_bars is None else of.moment_of_bars
     first, alike = plates[each[0].name], list(plates.values())
     catalogue = catalogue_of(discretisation, with_extremes(discretisation.model))
     return replace(
@@ -144,6 +149,7 @@ def _of_plates(
         stress_nodes=nodes,
         moment=stress[:, :3],
         shear=stress[:, 3:],
+        moment_of_bars=of_bars if discretisation.model.at_faces else None,
         nodal_reaction=np.concatenate([of.nodal_reaction for of in alike]),
         supports=in_order("support", lambda of: of.supports),
         probes=tuple(one for of in in_order("probe", _by_table) for one in of),

@@ -24,6 +24,7 @@ from signorini.results.quantities import LINEAR
 from signorini.results.state import ResultState
 from signorini.results.support_result import areas_below
 from signorini.results.vtk import vtk_fields
+from signorini.singularities.beside import at_faces
 
 if TYPE_CHECKING:
     from signorini.plot.pictures import Axes
@@ -49,8 +50,10 @@ class Result(ResultState):
         sides = nodes.sides(positions, where)
         fields = np.column_stack([nodes.spread(self.fields[name]) for name in LINEAR])
         thickness = sides.alike(nodes.at(sides, self.thickness))
-        pressures = total_pressure(areas_below(self.supports), positions)
-        return [*probe_results(positions, sides.larger(nodes.at(sides, fields)), pressures, thickness, self.model.bars)]
+        pressures, values = total_pressure(areas_below(self.supports), positions), nodes.at(sides, fields)
+        faces = () if self.means is None else self.means.faces
+        of_bars = sides.larger(at_faces(faces, self.moment, values[:, 3:6], positions[sides.point]))
+        return [*probe_results(positions, sides.larger(values), pressures, thickness, self.model.bars, of_bars)]
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of area supports at points (q, 2) of the plate, positive where they push the plate up.

@@ -20,7 +20,17 @@ from signorini.results.checks import checked_fields
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
+from signorini.results.quantities import (
+    ENDS,
+    FIELDS,
+    OF_AREAS,
+    OF_LINES,
+    PEAKING,
+    REINFORCEMENT,
+    SIDES,
+    Catalogue,
+    Home,
+)
 from signorini.results.readings import Readings, nodes_around
 from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
@@ -152,9 +162,13 @@ class Layout:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``."""
-        asked: Sequence[str] = discretisation.model.output.envelope
-        fields = tuple(name for name in FIELDS if name in (*asked, *checked_fields(discretisation.model)))
+        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``.
+
+        Without the key ``output.envelope`` the required reinforcement has extremes, too.
+        """
+        model, output = discretisation.model, discretisation.model.output
+        by_default = REINFORCEMENT if model.bars and "envelope" not in output.model_fields_set else ()
+        fields = tuple(name for name in FIELDS if name in (*output.envelope, *by_default, *checked_fields(model)))
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
         # With several plates, contact areas are computed from the results of each plate.

@@ -18,7 +18,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
-from signorini.results.checks import completed
+from signorini.results.checks import completed, utilisations
 from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
 from signorini.results.punching import ColumnResult
@@ -35,7 +35,6 @@ from signorini.results.quantities import (
     with_extremes,
 )
 from signorini.results.support_result import SupportResult, areas_below
-from signorini.singularities.beside import at_faces
 from signorini.singularities.singularity import Singularity, at_peaks
 
 Status = Literal["solved", "no_equilibrium"]
@@ -122,6 +121,8 @@ class ResultState(Remade):
     """Numbers (k,) of the catalogue without extremes of fields and most checks, which are NaN."""
     combination: Combination | None
     means: Means | None = None
+    moment_of_bars: Floats | None = None
+    """Moments (s, 3) for the design of bars at columns, see `Reinforcement.face`; None if they are ``moment``."""
     punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
     """Results of the columns of [[punching]], found by number from 0 or by name, as ``"columns[1]"``."""
     plates: Mapping[str, Self] = field(default_factory=dict)
@@ -152,9 +153,10 @@ class ResultState(Remade):
 
         deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at stress nodes (s,): mx,
         my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top, von_mises
-        and txz; with [reinforcement] the required areas such as as_x_bottom.
+        and txz; with [reinforcement] the required areas such as as_x_bottom. The utilisation of a check of a field is
+        a field "utilisation:NAME"; it is NaN if the check does not include the combination.
         """
-        names = [one.name for one in in_model(self.model, FIELDS.values())]
+        names = [*(one.name for one in in_model(self.model, FIELDS.values())), *utilisations(self.model)]
         return OnDemand(names, self._field, None, "field", "This result")
 
     def _field(self, name: str) -> Floats:
@@ -162,18 +164,15 @@ class ResultState(Remade):
         if name in LINEAR:
             values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
             field = values[name]
+        elif name not in FIELDS:
+            measured, check = utilisations(self.model)[name]
+            checked = self.combination is None or check.applies_to(self.combination)
+            field = check.used(self.fields[measured]) if checked else np.full_like(self.fields[measured], np.nan)
         else:
-            moment = self._moment_at_faces if name in OF_BARS else self.moment
+            moment = self.moment if self.moment_of_bars is None or name not in OF_BARS else self.moment_of_bars
             field = derived([name], moment, self.shear, self.thickness, self.model.bars)[:, 0]
         field.flags.writeable = False
         return field
-
-    @cached_property
-    def _moment_at_faces(self) -> Floats:
-        """Moments (s, 3) for the design of bars, see `Reinforcement.face`."""
-        if not self.model.at_faces or self.means is None:
-            return self.moment
-        return at_faces(self.moment, self.means.values, self.means.beside, self.stress_nodes.points)
 
     @cached_property
     def profiles(self) -> Mapping[str, ProfileResult]:
@@ -195,7 +194,8 @@ class ResultState(Remade):
         found = dict[str, ProfileResult]()
         for one in self.members.values():
             profiles, areas = one.model.profile if one.status == "solved" else (), areas_below(one.supports)
-            results = profile_results(profiles, one.fields, one.stress_nodes, areas) if profiles else ()
+            fields = {name: one.fields[name] for name in one.fields if name in FIELDS} if profiles else {}
+            results = profile_results(profiles, fields, one.stress_nodes, areas) if profiles else ()
             found |= {result.name: result for result in results}
         in_order = {one.name: found[one.name] for one in self.model.profile if one.name in found}
         return Named(in_order, "profile", "This result")

@@ -221,19 +221,8 @@ class Scales:
         return cls(force or 1.0, length or 1.0)
 
 
-def closed_part(discretisation: Discretisation, index: int, answer: Answer, area: float) -> float:
-    """Closed part of a support, 0 to 1: of points by number, of lines by length, of areas by the contact ``area``.
-
-    On a line, the boundary of the closed part is interpolated linearly between two points.
-    """
-    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
-    whole = float(points.weights.sum())
-    if not len(points.weights) or not whole > 0:
-        return 1.0
-    if support.area is not None:
-        return float(np.clip(area / whole, 0.0, 1.0))
-    if support.place == "at":
-        return float(points.weights[points.closed(answer.closed)].sum() / whole)
+def closed_part(discretisation: Discretisation, points: SupportPoints, answer: Answer) -> float:
+    """Closed part of a line, 0 to 1, by length; its boundary is interpolated linearly between two points."""
     values, middles = in_falling_order(
         closed_by_point(discretisation, points, answer, Scales.of(answer)), points.weights
     )

@@ -274,7 +274,7 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
     )
     if support.area is not None:
         # The result uses the arrays of the area, so that a pickle contains each array once.
-        (area,) = reading.areas
+        (area,) = reading.areas()
         positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
     (turning,) = np.nonzero(springs.slope & (springs.support == index))

@@ -6,6 +6,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.formats.vtk import displacement_vector
+from signorini.results.checks import utilisations
 from signorini.results.contact_field.area_contact import Pressures
 from signorini.results.state import ResultState
 from signorini.results.support_result import areas_below
@@ -40,6 +41,7 @@ def vtk_fields(result: ResultState) -> tuple[dict[str, Floats], dict[str, Floats
             values[:, axis] = result.fields[part]
         data[name] = values
     data["von_mises"] = result.fields["von_mises"]
+    data |= {name: result.fields[name] for name in utilisations(result.model)}
     of_elements = {}
     if any(support.on_nodes for support in result.model.support):
         data["reaction"] = result.nodal_reaction

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Collection, Iterator, Sequence
-from itertools import combinations
+from collections.abc import Callable, Collection, Iterator, Sequence
+from itertools import combinations, product
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.material import ZONE_KEYS
 from signorini.model.where import Acting
+from signorini.results.envelope import NONE, Envelope
+from signorini.results.extremes import Means
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import REINFORCEMENT, derived
+from signorini.results.quantities import ENDS, REINFORCEMENT, derived, on_plate
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
@@ -53,6 +55,9 @@ _OUTWEIGHS = 1e3
 """Smallest ratio of reactions to acting forces that causes a warning; couples are divided by the thickness. A thin
 plate has such a ratio on supports that are a tenth of its thickness apart."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
+_INFINITE = ": the required reinforcement is infinite there. Use a thicker plate or stronger concrete."
+_LARGEST = ("", ENDS.index("max")), ("_mean", ENDS.index("max_mean"))
+"""Ending of extremes in `Envelope.field`, and index of the largest value's place."""
 _MOST = 0.75
 """Largest part of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
 many bolts, exclude half."""
@@ -80,38 +85,59 @@ def result_warnings(
     deflection: Floats,
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
-    stress: Floats,
+    of_bars: Floats,
+    means: Means,
 ) -> tuple[str, ...]:
     """Warnings of the result of one combination; the model's warnings are first.
 
-    ``stress`` (s, 5) are moments and shears at stress nodes.
+    ``of_bars`` (s, 3) are moments at stress nodes for the design of bars.
     """
     warned = [
         *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
         *no_resultant(discretisation, load),
         *too_far(discretisation, deflection),
-        *too_thin(discretisation, load, stress),
+        *too_thin(discretisation, load, of_bars, means),
     ]
     warned += _beds_that_pull(discretisation.model, supports)
     warned += _outweighing(discretisation, load, supports)
     return (*warned, *sentences(not_unique))
 
 
-def too_thin(discretisation: Discretisation, load: CaseLoad, stress: Floats) -> Iterator[str]:
-    """Warn if a section cannot resist its design moment, given moments and shears (s, 5) at stress nodes."""
+def too_thin(discretisation: Discretisation, load: CaseLoad, of_bars: Floats, means: Means) -> Iterator[str]:
+    """Warn if a section cannot resist its design moment, at nodes or as a mean at a singular point.
+
+    ``of_bars`` (s, 3) are moments at stress nodes.
+    """
     nodes, bars = discretisation.stress_nodes, discretisation.model.bars
     if bars is None:
         return
-    areas = derived(list(REINFORCEMENT), stress[:, :3], stress[:, 3:], discretisation.node_thickness, bars)
+    shear = np.zeros((len(of_bars), 2))
+    areas = derived(list(REINFORCEMENT), of_bars, shear, discretisation.node_thickness, bars)
     peaks = at_peaks(discretisation.mesh, singularities(discretisation, load.acting), "moment")
     beyond = np.flatnonzero(np.isinf(areas).any(axis=1) & ~peaks[nodes.nodes])
     if len(beyond):
-        yield (
-            f"The section cannot resist the design moment at {len(beyond)} of {nodes.count} nodes, such as at "
-            f"{point(nodes.points[beyond[0]])}: the required reinforcement is infinite there. Use a thicker plate or "
-            "stronger concrete."
-        )
+        count, first = f"at {len(beyond)} of {nodes.count} nodes, such as ", nodes.points[beyond[0]]
+        yield f"The section cannot resist the design moment {count}at {point(first)}{_INFINITE}"
+    ends = {name: means.ends(name) for name in REINFORCEMENT}
+    for name, of in ends.items():
+        if math.isinf(of.get("max_mean", 0.0)):
+            yield f"The section cannot resist the mean design moment at {point(of['max_mean_at'])}, {name}{_INFINITE}"
+
+
+def rows_too_thin(envelope: Envelope, key: Callable[[int], str]) -> Iterator[str]:
+    """Warn of the first row of an envelope in which a section cannot resist its design moment, for each field of bars.
+
+    ``key`` is the name of a row.
+    """
+    plates, fields = (
+        envelope.layout.model.plates or ("",),
+        [one for one in envelope.layout.fields if one in REINFORCEMENT],
+    )
+    for field, (mean, end) in product([on_plate(one, name) for name in plates for one in fields], _LARGEST):
+        if math.isinf((found := envelope.field(field, mean)).max) and found.max_by != NONE:
+            what, place = f"{'mean ' * bool(mean)}design moment", point(envelope.places_of(field)[end].tolist())
+            yield f'The section cannot resist the {what} at {place}, {field}, in "{key(found.max_by)}"{_INFINITE}'
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -19,6 +20,8 @@ from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
+from signorini.shapes import Circle, Region
+from signorini.shapes.distances import depth
 from signorini.singularities.named import singularities_of
 
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
@@ -27,8 +30,10 @@ _PARTS = 12
 """Number of parts of a line, with two Gauss points each. It is even: moments have a kink at p, which is then between
 two parts.
 """
-_ON_RADIUS = 1e-9
-"""Relative tolerance for positions on the circle around a column."""
+_ON_FACE = 1e-9
+"""Tolerance for positions on the outline of a column, relative to its size."""
+_BEYOND = 1.0 + 1e-6
+"""Distance of lines along faces from the middle, so that the faces of a column flush with an edge are off the plate."""
 PEAKS = ("moment", "shear")
 """Results that have means, in the order of the columns of `Beside.numbers`."""
 
@@ -79,18 +84,63 @@ def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> F
     return np.concatenate([of_moment[:, :2].reshape(-1, 6), of_shear[:, 2:4, 0], of_shear[:, 4:, 1]], axis=1)
 
 
-def at_faces(moment: Floats, means: Floats, beside: Beside, points: Floats) -> Floats:
-    """Moments (..., s, 3) at positions (s, 2), with means in place of moments within the radius of a column.
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A column, with the moments for which bars within its outline are designed.
 
-    ``means`` (..., k, 10) are as in `means_of`. Where the lines of a column are off the plate, moments stay.
+    ``rows`` are matrices (l, s) from moments at stress nodes to means along lines: those for mx, and those for my.
     """
-    result = moment.copy()
-    for column in np.flatnonzero(beside.columns):
-        own = means[..., column, :]
-        mean = np.stack([own[..., 0], own[..., 4], 0.5 * (own[..., 2] + own[..., 5])], axis=-1)
-        near = np.hypot(*(points - beside.places[column]).T) <= beside.within[column] * (1.0 + _ON_RADIUS)
-        if not np.isnan(mean).any():
-            result[..., near, :] = mean[..., None, :]
+
+    outline: Region
+    rows: tuple[csr_array, csr_array]
+
+    @classmethod
+    def of(cls, nodes: StressNodes, outline: Region, distance: float) -> Self:
+        """Take means along two lines along y for mx, and two along x for my, or one each if ``distance`` is 0.
+
+        ``distance`` of the lines from the middle is relative to the outline's half width. Lines off the plate do not
+        count.
+        """
+        low, high = np.array(outline.bounds).reshape(2, 2)
+        rows, sides = [], np.array([[-1.0], [1.0]]) if distance else np.zeros((1, 1))
+        for axis in np.eye(2):
+            half = 0.5 * (high - low)
+            middles = 0.5 * (low + high) + distance * sides * half * axis
+            every = _rows(nodes, middles, np.tile(half - half * axis, sides.shape))
+            rows.append(every[np.flatnonzero(~np.isnan(every @ np.ones(nodes.count)))])
+        return cls(outline, (rows[0], rows[1]))
+
+    def moment(self, moment: Floats, values: Floats) -> Floats:
+        """Moments (q, 3) within the column from moments (s, 3) at stress nodes; ``values`` (q, 3) without a line."""
+        x, y = (of @ moment for of in self.rows)
+        result = values.copy()
+        for axis, of in enumerate((x[:, 0], y[:, 1], np.concatenate([x, y])[:, 2])):
+            result[:, axis] = of.mean() if len(of) else values[:, axis]
+        return result
+
+
+@kept
+def faces_of(discretisation: Discretisation) -> tuple[Face, ...]:
+    """Columns of one plate, see `Reinforcement.face`: footprints of supports, and circles around singular points.
+
+    Lines for a footprint are its faces; those for a circle are diameters.
+    """
+    nodes, beside, model = discretisation.stress_nodes, beside_of(discretisation), discretisation.model
+    singular = [(x, y) for x, y in beside.places[beside.columns].tolist()]
+    circles = [Circle(at, r) for at, r in zip(singular, beside.within[beside.columns].tolist(), strict=True)]
+    around = [region for at, region in model.footprints if at not in singular]
+    return (*(Face.of(nodes, one, 0.0) for one in circles), *(Face.of(nodes, one, _BEYOND) for one in around))
+
+
+def at_faces(faces: Sequence[Face], moment: Floats, values: Floats, points: Floats) -> Floats:
+    """Moments (q, 3) for the design of bars at points (q, 2), from moments there and moments (s, 3) at stress nodes."""
+    result = values.copy()
+    for face in faces:
+        low, high = np.array(face.outline.bounds).reshape(2, 2)
+        near = np.flatnonzero(((points >= low - _ON_FACE) & (points <= high + _ON_FACE)).all(axis=1))
+        on = near[depth(face.outline, points[near]) >= -_ON_FACE * float((high - low).max())] if len(near) else near
+        if len(on):
+            result[on] = face.moment(moment, result[on])
     return result
 
 
@@ -108,21 +158,26 @@ def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
     places = np.array([place for place, _ in keys], np.float64).reshape(-1, 2)
     within = np.array([places_found[key][0] for key in keys], np.float64)
     numbers = np.array([places_found[key][1] for key in keys], np.bool_).reshape(-1, len(PEAKS))
-    rows = _rows(discretisation.stress_nodes, places, within)
+    offsets = within[:, None, None] * _LINES
+    lines = (places[:, None] + offsets[..., :2]).reshape(-1, 2), offsets[..., 2:].reshape(-1, 2)
+    rows = _rows(discretisation.stress_nodes, *lines)
     thickness = (rows @ discretisation.node_thickness).reshape(-1, len(_LINES))
     held = {at for support in discretisation.model.support for at in support.at or ()}
     columns = np.array([not case and place in held for place, case in keys], np.bool_) & numbers[:, 0]
     return Beside(places, within, numbers, tuple(case for _, case in keys), thickness, columns), rows
 
 
-def _rows(nodes: StressNodes, places: Floats, within: Floats) -> csr_array:
-    """Matrix (6k, s) from values at stress nodes to means along lines; at a jump values of both sides count half."""
+def _rows(nodes: StressNodes, middles: Floats, halves: Floats) -> csr_array:
+    """Matrix (l, s) from values at stress nodes to means along lines; at a jump values of both sides count half.
+
+    ``middles`` (l, 2) are the lines' midpoints, ``halves`` (l, 2) their halves as vectors. Rows of lines off the plate
+    are NaN.
+    """
     gauss, _ = np.polynomial.legendre.leggauss(2)
     station = ((2.0 * np.arange(_PARTS) + 1.0)[:, None] / _PARTS - 1.0 + gauss / _PARTS).ravel()
-    offset, along = _LINES[:, None, :2], _LINES[:, None, 2:] * station[:, None]
-    points = places[:, None, None] + within[:, None, None, None] * (offset + along)
+    points = middles[:, None] + station[:, None] * halves[:, None]
     point, where = nodes.mesh.holding(points.reshape(-1, 2))
-    line, lines = point // len(station), len(places) * len(_LINES)
+    line, lines = point // len(station), len(middles)
     share = 1.0 / np.bincount(point, minlength=points.size // 2)[point]
     total = np.bincount(line, share, lines)
     values = (share / total[line])[:, None] * nodes.mesh.shape_functions(where.elements, where.xi)

@@ -18,7 +18,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.results.quantities import LINEAR, PEAKING, RESULTANTS
 from signorini.results.readings import Linear, Reader, SupportForces
-from signorini.singularities.beside import at_faces, beside_of, means_of
+from signorini.singularities.beside import at_faces, faces_of, means_of
 
 _WATCHED = 64
 """Number of nodes, and approximate number of dofs, whose deflections and loads are lower bounds of a sum's largest
@@ -198,19 +198,12 @@ class PlateTerms:
     """Means (b, 10k) at the k places of `Beside`."""
 
     @classmethod
-    def stacked(cls, plate: Discretisation, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
+    def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
         """Stack the values of one plate in all terms."""
         fields, linear, means = zip(*each, strict=True)
-        every = [*names, "reaction"] if names else []
-        by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
-        result = cls(by_name, Linear.stacked(linear), np.array(means))
-        if plate.model.at_faces and set(RESULTANTS[:3]) <= set(names):
-            beside, moment = beside_of(plate), np.stack([by_name[name] for name in RESULTANTS[:3]], axis=-1)
-            of_columns = result.means.reshape(len(moment), len(beside), 10)
-            moment = at_faces(moment, of_columns, beside, plate.stress_nodes.points)
-            faces = zip(RESULTANTS, np.moveaxis(moment, -1, 0), strict=False)
-            by_name |= {name + AT_FACES: np.ascontiguousarray(of) for name, of in faces}
-        return result
+        every = [*names, "reaction", *(f"{name}{AT_FACES}" for name in RESULTANTS[:3])] if names else []
+        by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=False))
+        return cls(by_name, Linear.stacked(linear), np.array(means))
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,10 +243,7 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
     of_plates, sizes = zip(*terms, strict=True)
-    plates = tuple(
-        PlateTerms.stacked(plate.own, names, each)
-        for plate, each in zip(result.members, zip(*of_plates, strict=True), strict=True)
-    )
+    plates = tuple(PlateTerms.stacked(names, each) for each in zip(*of_plates, strict=True))
     return Terms(tuple(cases), shared, plates, Proof.of(result, sizes))
 
 
@@ -322,4 +312,7 @@ class _Terms:
         # Only envelopes of fields need means at singular points.
         means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
         linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
-        return [*kept, at_nodes] if self._names else kept, linear, means
+        moment, of_bars = stress[:, :3], list[Floats]()
+        if plate.model.at_faces and set(RESULTANTS[:3]) <= set(self._names):
+            of_bars = [*at_faces(faces_of(plate), moment, moment, nodes.points).T]
+        return [*kept, at_nodes, *of_bars] if self._names else kept, linear, means

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -59,6 +60,9 @@ class Spread:
 class Sections(Brief):
     """Lines (s,) across the plate: the lines of sections, then the cross lines of strips at their stations.
 
+    With `Reinforcement.face` cross lines at faces of columns follow. ``faces`` are their ends, and the stations whose
+    bars are designed for them, by number among the stations of all strips.
+
     The section forces of a line are moment, twist and shear. They are linear in nodal forces and stresses of
     ``elements`` (k,), in loads and in reactions. ``frames`` are those of `Held`.
     """
@@ -68,6 +72,7 @@ class Sections(Brief):
     per: Floats
     """Divisor (s,) of the section forces: 1 for sections; for strips, which have means, the length on the plate."""
     frames: Floats | None = None
+    faces: tuple[tuple[int, tuple[Point, Point]], ...] = ()
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
@@ -81,9 +86,16 @@ class Sections(Brief):
             with problems.collected():
                 _require_on_plate(mesh, points, place)
                 result.append(_cut(mesh, plate, model, held, points, place))
+        faces = list[tuple[int, tuple[Point, Point]]]()
+        for station, ends, place in _face_lines(model) if model.at_faces else ():
+            # A column flush with an edge has a face off the plate.
+            with suppress(InputError):
+                _require_on_plate(mesh, ends, place)
+                result.append(_cut(mesh, plate, model, held, ends, place))
+                faces.append((station, ends))
         lengths = np.array([section.length for section in result])
         per = np.where(np.arange(len(result)) < len(model.section), 1.0, lengths)
-        return cls(mesh, tuple(result), per, held.frames)
+        return cls(mesh, tuple(result), per, held.frames, tuple(faces))
 
     def __len__(self) -> int:
         """Return the number of lines."""
@@ -220,6 +232,14 @@ class Sections(Brief):
         entries = np.concatenate([value.ravel() for value in values])
         shape = 3 * len(self.cuts), width * len(self.elements)
         return csr_array((entries, (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+
+
+def _face_lines(model: Model) -> Iterator[tuple[int, tuple[Point, Point], Place]]:
+    """Yield stations in footprints, by number among those of all strips, with cross lines at faces, and their strip."""
+    first = np.cumsum([0, *(strip.stations for strip in model.strip)]).tolist()
+    for index, strip in enumerate(model.strip):
+        for _, column in model.footprints:
+            yield from ((first[index] + station, ends, ("strip", index)) for station, ends in strip.faces(column))
 
 
 def _cut(mesh: Mesh, plate: _core.Plate, model: Model, held: Held, points: Sequence[Point], place: Place) -> Cut:

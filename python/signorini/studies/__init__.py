@@ -1,0 +1,1 @@
+"""Studies: many variants of one model, solved in several processes or on a cluster."""

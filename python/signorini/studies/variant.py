@@ -1,0 +1,131 @@
+"""One variant of a study: its model, solved, as one row of the study's table."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from signorini._core import __version__
+from signorini.analysis.estimate import Estimates, estimates_of
+from signorini.analysis.results import Results
+from signorini.analysis.solve import solve
+from signorini.base.provenance import commit
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, Place, SignoriniError
+from signorini.model import Model, validate
+from signorini.results.envelope import NONE
+from signorini.results.quantities import Number
+from signorini.studies.parameters import Value, changed
+
+Row = dict[str, Any]
+"""One row of a study: a value for each column."""
+
+
+def program() -> str:
+    """Version and commit of this program, which must be the same for all rows of a study."""
+    return f"{__version__} {commit() or ''}".strip()
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A variant: the template's tables as JSON, and a value at each of some places in them."""
+
+    number: int
+    program: str
+    template: str
+    places: tuple[Place, ...]
+    names: tuple[str, ...]
+    values: tuple[Value, ...]
+    results: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        """The model of the variant, validated."""
+        tables = json.loads(self.template)
+        for place, value in zip(self.places, self.values, strict=True):
+            tables = changed(tables, place, value)
+        return validate(tables)
+
+    @property
+    def unsolved(self) -> Row:
+        """The row of the variant without numbers."""
+        row: Row = {"row": self.number, **dict(zip(self.names, self.values, strict=True))}
+        row |= {"status": "solved", "message": "", "model_sha256": "", "elements": 0, "certificate": math.nan}
+        for name in self.results:
+            row |= {name: math.nan, f"plus_minus:{name}": math.nan, f"combination:{name}": ""}
+        return row
+
+    def failed(self, why: str) -> Row:
+        """The row of the variant if it cannot be solved."""
+        return self.unsolved | {"status": "failed", "message": why}
+
+
+class OtherProgramError(SignoriniError):
+    """A worker runs another version of the program."""
+
+
+def solved(variant: Variant) -> Row:
+    """Solve a variant; return its row.
+
+    ``status`` is "solved", "no_equilibrium" if a combination has none, "not_certified", "refused" if the model is
+    invalid, or "failed"; ``message`` is the reason. A result is the value of the governing combination: the largest
+    value of extremes and utilisations, of other numbers that with the largest magnitude.
+
+    Raises
+    ------
+    OtherProgramError
+        If this is another version of the program than that of the study.
+    """
+    if variant.program != program():
+        raise OtherProgramError(
+            f"A worker runs signorini {program()}, the study {variant.program}. "
+            "Install the same version on all workers."
+        )
+    row = variant.unsolved
+    try:
+        model = variant.model
+        row["model_sha256"] = model.provenance.sha256
+        results = solve(model)
+        estimates = estimates_of(results, lambda progress: None) if model.estimated else None
+    except NoEquilibriumError as error:
+        return row | {"status": "no_equilibrium", "message": str(error)}
+    except NotCertifiedError as error:
+        return row | {"status": "not_certified", "message": str(error)}
+    except InputError as error:
+        return row | {"status": "refused", "message": str(error)}
+    except (SignoriniError, MemoryError) as error:
+        return variant.failed(str(error) or "the memory is exhausted")
+    if results.unbalanced_count:
+        name, why = next(iter(results.unbalanced.items()))
+        row |= {"status": "no_equilibrium", "message": f"{name}: {why}"}
+    row |= {
+        "elements": len(results.discretisation.mesh.elements),
+        "certificate": max(results.combined.certificate.values()),
+    }
+    for name in variant.results:
+        row |= _numbers(results, estimates, name)
+    return row
+
+
+def _numbers(results: Results, estimates: Estimates | None, name: str) -> Row:
+    """Value, half-width and combination of one result; NaN and "" where no combination has the number."""
+    catalogue = results.combined.layout.catalogue
+    place = catalogue.by_name[name]
+    one: Number = catalogue.numbers[place]
+    ends = [(float(values[place]), int(by[place])) for values, by in results.envelope.values.sides if by[place] != NONE]
+    if not ends:
+        return {}
+    largest, smallest = ends[0], ends[-1]
+    if one.what.startswith("min"):
+        value, row = smallest
+    elif one.what.startswith("max") or one.what == "utilisation" or abs(largest[0]) >= abs(smallest[0]):
+        value, row = largest
+    else:
+        value, row = smallest
+    width = None if estimates is None else estimates.half_width(one.column, row)
+    return {
+        name: value,
+        f"plus_minus:{name}": math.nan if width is None else width,
+        f"combination:{name}": results.key(row),
+    }
