@@ -27,7 +27,8 @@ _FORMULAS = {
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
         "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
         "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) ≥ 0 if vEd > vRd,c",
-        "uout": "vEd · u1 / vRd,c",
+        "uout": "β · |V − ΔV| / (vRd,c · d) if vEd > vRd,c, with a = 2d; β · V / (vRd,c · d) on foundations",
+        "with_links": "max(vEd / (1.5 vRd,c), vEd,0 / vRd,max)",
         "utilisation": "max(vEd / vRd,c, vEd,0 / vRd,max); 6.4.3(2)",
     },
     "ACI 318-19": {
@@ -39,6 +40,7 @@ _FORMULAS = {
         "asw": "(vu − φ 0.17 λs √f'c) · bo / (φ fyt) ≥ 0 if vu > φ vc; fyt ≤ 420 MPa",
         "uout": "vu · bo / (φ 0.17 λs √f'c)",
         "utilisation": "vu / (φ vc)",
+        "with_links": "vu / vu,max",
     },
 }
 """Formulas of the numbers of punching by code."""
@@ -156,7 +158,8 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
         width = ... if one.widths is None else one.widths.get(quantity.name, ...)
         formula, clause = _FORMULAS[column.code].get(quantity.name), check.clauses.get(quantity.name)
         why = "; ".join(filter(None, (formula and f"= {formula}", clause)))
-        value = write.number(one.of.numbers[quantity.name], width)
+        own = one.of.numbers[quantity.name]
+        value = write.number(None if np.isnan(own) else own, width)
         symbols = _SYMBOLS if eurocode else _SYMBOLS | _SYMBOLS_ACI
         yield [
             Cell(symbols.get(quantity.name, quantity.name)),

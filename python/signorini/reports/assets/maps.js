@@ -325,13 +325,10 @@
     }
 
     bind(target, array) {
-      const gl = this.gl;
-      if (!this.buffers.has(array)) {
-        this.buffers.set(array, gl.createBuffer());
-        gl.bindBuffer(target, this.buffers.get(array));
-        gl.bufferData(target, array, gl.STATIC_DRAW);
-      }
-      gl.bindBuffer(target, this.buffers.get(array));
+      const { gl, buffers } = this, buffer = buffers.get(array) || gl.createBuffer();
+      gl.bindBuffer(target, buffer);
+      if (!buffers.has(array)) gl.bufferData(target, array, gl.STATIC_DRAW);
+      buffers.set(array, buffer);
     }
 
     attribute(number, array) {
@@ -459,7 +456,7 @@
       this.taken.push([at[0], at[1], at[0] + w, at[1] + h]);
       pen.fillStyle = "rgba(255,255,255,0.86)";
       pen.beginPath();
-      pen.roundRect(at[0], at[1], w, h, 3);
+      pen.roundRect(...at, w, h, 3);
       pen.fill();
       Object.assign(pen, { fillStyle: colour, textBaseline: "middle" });
       pen.fillText(text, at[0] + 3, at[1] + h / 2 + 0.5);
@@ -667,8 +664,7 @@
       if (stop >= 0) controls.stop.value = stop;
       this.stopText.textContent = stop < 0 ? "" : this.nameOf(this.state);
       controls.stop.setAttribute("aria-valuetext", this.stopText.textContent);
-      this.drawLegend();
-      this.drawKey();
+      this.drawLegend(); this.drawKey();
       this.draw();
     }
 

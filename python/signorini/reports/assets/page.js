@@ -20,15 +20,13 @@
     for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
     header.setAttribute("aria-sort", ascending ? "ascending" : "descending");
     const keyed = [...table.tBodies[0].rows].map((row) => [key(row, column), row]);
-    keyed.sort((one, other) => sign * compare(one[0], other[0]));
-    table.tBodies[0].append(...keyed.map((pair) => pair[1]));
+    table.tBodies[0].append(...keyed.sort((a, b) => sign * compare(a[0], b[0])).map((pair) => pair[1]));
   };
 
   const filter = (table, text) => {
     const parts = text.toLowerCase().split(/\s+/).filter(Boolean);
     for (const row of table.tBodies[0].rows) {
-      const content = row.textContent.toLowerCase();
-      row.hidden = !parts.every((part) => content.includes(part));
+      row.hidden = !parts.every((part) => row.textContent.toLowerCase().includes(part));
     }
   };
 
@@ -83,19 +81,13 @@
     for (const name of ["pointerleave", "blur"]) stage.addEventListener(name, hide);
   }
 
-  // What is folded or not yet loaded must be on paper too.
-  const closed = new Set();
-  const unfold = () => {
-    for (const one of document.querySelectorAll("details:not([open])")) {
-      closed.add(one);
-      one.open = true;
-    }
-  };
-  window.addEventListener("beforeprint", unfold);
-  window.addEventListener("afterprint", () => {
-    for (const one of closed) one.open = false;
-    closed.clear();
+  // Folded tables must be on paper too.
+  const closed = [];
+  window.addEventListener("beforeprint", () => {
+    closed.push(...document.querySelectorAll("details:not([open])"));
+    for (const one of closed) one.open = true;
   });
+  window.addEventListener("afterprint", () => { for (const one of closed.splice(0)) one.open = false; });
 
   // Fields and states of a map for paper: those with the largest and the smallest value, and of pressures some combinations.
   const LEAST = 0.2, MOST = 6, NUMBERED = ["deflection", "pressure"];  // fields that show reactions on paper
