@@ -394,3 +394,11 @@ def test_a_path_finds_where_a_check_is_reached() -> None:
 def test_a_check_that_cannot_be_computed_is_refused_with_its_key(check: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError, match=rf"check\[1\]\.{key}"):
         solve(Model(**BASE_PLATE | {"check": [check]}))
+
+
+def test_the_lifted_part_of_a_footing_is_checked() -> None:
+    """A rigid footing with eccentricity e > b/6 lifts on 1 − 3 (1/2 − e/b) of its length."""
+    results = footing({"G": 1, "W": 1}, {"name": "lifted", "of": "soil.lifted_part", "limit": 0.5})
+    (one,), soil = check_results(results), next(iter(results.values())).supports["soil"]
+    assert one.value == pytest.approx(1.0 - soil.closed_part) and one.utilisation == one.value / 0.5
+    assert 0.0 < one.value < 1.0

@@ -101,6 +101,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     governing = of("support point at max max_by max_with min min_by min_with")
     assert keys(found) == {
         **of("schema title snapped groups"),
+        "warnings": [of("text combinations")],
         "program": of("name version commit"),
         "input": of("file sha256 model_sha256 files") | {"model": keys(found["input"]["model"])},
         "options": of("pictures xlsx"),

@@ -229,18 +229,20 @@ def test_summary_shows_each_check_with_half_width(solved: tuple[signorini.Result
         "governing": "SLS",
         "place": [1.0, 2.0],
     }
-    checks = [own | {"plus_minus": 0.02, "verdict": "passed"}]
-    checks.append(own | {"name": "tight", "plus_minus": 0.2, "verdict": "undecided: 1 is within ±"})
-    over = {"value": 120.0, "utilisation": 1.2, "plus_minus": 0.1, "verdict": "failed"}
+    checks = [own | {"plus_minus": 0.02, "verdict": "passed", "passed": True}]
+    checks.append(own | {"name": "tight", "plus_minus": 0.2, "verdict": "undecided: 1 is within ±", "passed": None})
+    over = {"value": 120.0, "utilisation": 1.2, "plus_minus": 0.1, "verdict": "failed", "passed": False}
     checks.append(own | over | {"name": "over"})
-    (table, *_) = [one for one in numbers.summary(contents(solved, checks=checks)) if isinstance(one, Table)]
+    blocks = list(numbers.summary(contents(solved, checks=checks)))
+    assert blocks[0] == Text("1 of 3 checks passed, 1 failed (over), 1 undecided.", "bad")
+    (table, *_) = [one for one in blocks if isinstance(one, Table)]
     said = [[cell.text for cell in row] for row in table.rows]
     assert [(row[0], row[-1]) for row in said] == [
         ("over", "failed"),
         ("soil", "passed"),
         ("tight", "undecided within the mesh error"),
     ]
-    assert said[1][1:7] == ["90", "100", "m", "0.9000 ± 0.020", "C3: SLS", "(1; 2)"]
+    assert said[1][1:7] == ["90.00 ± 2.0", "100", "m", "0.9000 ± 0.020", "C3: SLS", "[1, 2]"]
 
 
 def test_a_punching_sheet_has_all_numbers_of_the_governing_row_of_a_table() -> None:
@@ -254,7 +256,7 @@ def test_a_punching_sheet_has_all_numbers_of_the_governing_row_of_a_table() -> N
     of = contents((signorini.solve(model), None))
     blocks = list(numbers.punching(of))
     headings = [one.words for one in blocks if isinstance(one, Text) and one.kind == "heading"]
-    assert headings == [f"feet[{n}], (5; {y}), Combination C1: {BAD}" for n, y in ((1, 2), (2, 6))]
+    assert headings == [f"feet[{n}], [5, {y}], Combination C1: {BAD}" for n, y in ((1, 2), (2, 6))]
     for sheet, one in zip([one for one in blocks if isinstance(one, Table)], of.punched, strict=True):
         found = {row[0].text: row[2].value for row in sheet.rows}
         of_envelope = of.values["envelope"]["punching"][("feet[1]", "feet[2]").index(one.of.name)]
@@ -463,3 +465,15 @@ def test_pdf_has_the_title_block_on_every_page(tmp_path: Path, solved: tuple[sig
 def test_codes_are_named() -> None:
     tables = {"combination": [{"generate": "en1990"}], "punching": [{"code": "ACI 318-19"}]}
     assert sections.codes_of(tables) == ["EN 1990", "ACI 318-19"]
+
+
+def test_the_command_adds_a_load_path(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    (tmp_path / "slab.toml").write_text(slab().to_toml(), "utf-8")
+    start, add = slab().load_cases[:2]
+    options = ["report", str(tmp_path / "slab.toml"), "--from", start, "--until", "0.5", "--no-error"]
+    assert CliRunner().invoke(app, options).exit_code == 2
+    done = CliRunner().invoke(app, [*options, "--add", add])
+    assert done.exit_code == 0, done.output
+    assert 'id="load_path"' in (tmp_path / "slab.html").read_text("utf-8")

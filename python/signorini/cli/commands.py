@@ -70,6 +70,14 @@ NoError = Annotated[
 Threads = Annotated[
     int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
 ]
+Start = Annotated[
+    str | None,
+    typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
+]
+Until = Annotated[
+    float | None,
+    typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
 
@@ -202,14 +210,8 @@ def path(
         str,
         typer.Option("--add", metavar="CASE", help="The load that grows, a case or combination.", show_default=False),
     ],
-    start: Annotated[
-        str | None,
-        typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
-    ] = None,
-    until: Annotated[
-        float | None,
-        typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
-    ] = None,
+    start: Start = None,
+    until: Until = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Number of equally spaced t to solve. [default: 50]")
     ] = None,
@@ -318,6 +320,12 @@ def report(
     ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print a PDF, too, through an installed Chromium.")] = False,
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write a spreadsheet beside the report.")] = False,
+    add: Annotated[
+        str | None,
+        typer.Option("--add", metavar="CASE", help="Add a load path: the load that grows, a case or combination."),
+    ] = None,
+    start: Start = None,
+    until: Until = None,
     no_error: NoError = False,
 ) -> None:
     """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
@@ -330,12 +338,15 @@ def report(
 
         if xlsx:
             package("xlsxwriter")
+        if add is None and (start, until) != (None, None):
+            raise InputError("a load path needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
         with progress_line() as show:
             results, estimates = _solved(model, show)
+            followed = None if add is None else signorini.path(model, start, add, until, show)
             show("writing the report")
             target = output if output is not None else file.with_suffix(".html")
-            written = write_report(results, target, estimates, file.read_text("utf-8"), pdf=pdf, xlsx=xlsx)
+            written = write_report(results, target, estimates, file.read_text("utf-8"), followed, pdf, xlsx)
         print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
         _refuse(results.unbalanced, results.unbalanced_count)

@@ -18,13 +18,13 @@ from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.checks import print_checks
 from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, say_checked, unit_of
-from signorini.cli.sentences import MAX_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
+from signorini.cli.sentences import MAX_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.errors import length, point
 from signorini.model import Model, Support
-from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
+from signorini.output.warnings import warnings_of
 from signorini.results.marks import case_totals
 from signorini.results.quantities import (
     AT_BOLTS,
@@ -89,17 +89,10 @@ def print_verdicts(
     labels = labels or Labels(results)
     print_checks(console, results, estimates, labels)
     _print_refinement(console, results)
-    tabulated = results.model.tabulated
-    warnings: dict[str, list[str]] = (
-        {sentence: [] for sentence in table_warnings(results, estimates)}
-        if tabulated
-        else _by_sentence(results, estimates)
-    )
-    warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
-    coded = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}
-    _print_warnings(console, coded, len(results))
+    told = warnings_of(results, estimates)
+    _print_warnings(console, {sentence: [labels.code(name) for name in names] for sentence, names in told.items()})
     singular = [singularity for result in results.full.values() for singularity in result.singular]
-    if tabulated:
+    if results.model.tabulated:
         singular = [*singularities(results.discretisation, results.model.effective_combinations.cases)]
     _print_singular(console, singular, results.model, f" All in {JSON}.")
     for line in labels.listed():
@@ -117,8 +110,6 @@ def _print_refinement(console: Console, results: Results) -> None:
         shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
     say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
     shown.show(console, apart=True)
-    if results.accuracy_warning:
-        say(console, f"Warning: {results.accuracy_warning}", style="yellow")
 
 
 def print_check(console: Console, check: Check) -> None:
@@ -444,21 +435,10 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
         shown.show(console)
 
 
-def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Each warning, with the names of the combinations to which it applies."""
-    values: dict[str, list[str]] = {}
-    for result in results.full.values():
-        mesh_warnings = () if estimates is None else estimates[result.name].warnings
-        for sentence in (*result.warnings, *mesh_warnings):
-            values.setdefault(sentence, []).append(result.name)
-    return values
-
-
-def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], combinations: int = 0) -> None:
-    """Print each warning with the names of its combinations; without names if it applies to all ``combinations``."""
+def _print_warnings(console: Console, warnings: Mapping[str, Sequence[str]]) -> None:
+    """Print each warning with the names of its combinations, if it has names."""
     for sentence, names in list(warnings.items())[:_MAX_WARNINGS]:
-        affected = list(names)
-        where = f" ({', '.join(affected)})" if 0 < len(affected) < combinations else ""
+        where = f" ({', '.join(names)})" if names else ""
         say(console, f"Warning{where}: {sentence}", style="yellow")
     if (more := len(warnings) - _MAX_WARNINGS) > 0:
         say(console, f"And {more} more warnings, all in results.json.", style="yellow")

@@ -40,6 +40,12 @@ RULES: Mapping[str, tuple[tuple[str, str, str], ...]] = {
 """Number, principal loads and factors of each rule: 2.3.1 and 2.3.6 (LRFD), 2.4.1 and 2.4.5 (ASD)."""
 
 
+def section(name: str, text: str) -> str:
+    """Section of a rule in `RULES`: those with seismic loads follow the basic ones."""
+    basic, seismic = ("2.3.1", "2.3.6") if name == "LRFD" else ("2.4.1", "2.4.5")
+    return f"ASCE 7-22, {seismic if 'Ev' in text else basic}"
+
+
 def rules(name: str) -> Iterator[Rule]:
     """Yield the rules of "LRFD" or "ASD"; the roles of actions are the symbols `LOADS`.
 

@@ -71,6 +71,21 @@ EXPRESSIONS: Mapping[str, tuple[Expression, ...]] = {
 }
 """Expressions 6.10 to 6.12b (6.4.3) and 6.14b to 6.16b (6.5.3)."""
 
+CLAUSES: Mapping[str, tuple[str, str]] = {
+    "6.10": ("Σ γG Gk + γP P + γQ Qk,1 + Σ γQ ψ0,i Qk,i", "6.4.3.2, Eq. (6.10); Table A1.2(B)"),
+    "6.10ab": (
+        "a: Σ γG Gk + γP P + Σ γQ ψ0,i Qk,i; b: Σ ξ γG Gk + γP P + γQ Qk,1 + Σ γQ ψ0,i Qk,i",
+        "6.4.3.2, Eq. (6.10a), (6.10b); Table A1.2(B)",
+    ),
+    "EQU": ("Σ γG Gk + γP P + γQ Qk,1 + Σ γQ ψ0,i Qk,i", "6.4.3.2, Eq. (6.10); Table A1.2(A)"),
+    "accidental": ("Σ Gk + P + Ad + (ψ1,1 or ψ2,1) Qk,1 + Σ ψ2,i Qk,i", "6.4.3.3, Eq. (6.11b); Table A1.3"),
+    "seismic": ("Σ Gk + P + AEd + Σ ψ2,i Qk,i", "6.4.3.4, Eq. (6.12b); Table A1.3"),
+    "characteristic": ("Σ Gk + P + Qk,1 + Σ ψ0,i Qk,i", "6.5.3 (2)a, Eq. (6.14b); Table A1.4"),
+    "frequent": ("Σ Gk + P + ψ1,1 Qk,1 + Σ ψ2,i Qk,i", "6.5.3 (2)b, Eq. (6.15b); Table A1.4"),
+    "quasi-permanent": ("Σ Gk + P + Σ ψ2,i Qk,i", "6.5.3 (2)c, Eq. (6.16b); Table A1.4"),
+}
+"""Sum of the actions by each rule, and its clause."""
+
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:
     """Yield the rules with a name of `GAMMA`; the roles of actions are their kinds.

@@ -110,7 +110,7 @@ class Punching:
         """Control perimeters (p,): that at 2d, 6.4.2(1); on a foundation several at a ≤ 2d, 6.4.4(2).
 
         A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So the longer
-        perimeter, which does not run straight to edges, is checked as well, except for columns at an edge of a slab.
+        perimeter, which does not run straight to edges, is checked too, except around a column at an edge of a slab.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
         to_edges = [self.plan.perimeter(distance) for distance in distances]

@@ -248,6 +248,7 @@ def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
 
 
+Flag = Annotated[bool, Field(strict=True)]
 Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny), BeforeValidator(number)]
 NonNegative = Annotated[float, Field(ge=0), BeforeValidator(number)]

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, cr
 from signorini.design import asce7, en1990
 from signorini.design.combining import Action
 from signorini.errors import unknown
-from signorini.model.base import Complaint, NonNegative, Table, Text, as_tuple, vector
+from signorini.model.base import Complaint, NonNegative, Table, Text, as_tuple, number, vector
 
 MOST_GENERATED = 100_000
 """Largest number of combinations that one table generates by a code."""
@@ -25,7 +25,7 @@ RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": 
 _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
 """Key of a case with its role in a code."""
 
-_Psi = Annotated[float, Field(ge=0, le=1)]
+_Psi = Annotated[float, Field(ge=0, le=1), BeforeValidator(number)]
 _AT_LEAST_0 = {"type": "number", "minimum": 0}
 Gammas = Annotated[
     tuple[NonNegative, ...],

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import unknown
+from signorini.expression import LEAST
 from signorini.model import base
 from signorini.model.cases import Cases, growing_in
 from signorini.model.combination import Combination, Combinations
@@ -58,6 +59,8 @@ class Check(base.Named):
             yield ("limit",), "it is missing. Give the largest allowed value."
         if self.limit is not None and not self.limit[0] < 0.0 < self.limit[1]:
             yield ("limit",), "it must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
+        if self.limit is not None and min(map(abs, self.limit)) < LEAST:
+            yield ("limit",), f"found {min(self.limit, key=abs):g}; it must be at least {LEAST:g} in size."
         if self.combinations and self.group:
             yield ("group",), "found combinations and group; give one of them."
 

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from signorini.expression import Expression
 from signorini.model.base import (
     Complaint,
+    Flag,
     NonNegative,
     Number,
     OnPlate,
@@ -210,10 +211,10 @@ class Zone(OnPlate):
     stiffness: Stiffness | None = Field(
         default=None, description="Stiffness of the zone's section; thickness is required as well, for the weight."
     )
-    rigid: bool = Field(
+    rigid: Flag = Field(
         default=False, description="Whether the zone moves as one rigid body; it then has no thickness."
     )
-    extremes: bool = Field(
+    extremes: Flag = Field(
         default=True,
         description="Whether the zone counts in extremes and in colour scales; a rigid zone never does.",
     )

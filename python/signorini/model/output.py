@@ -84,7 +84,7 @@ class Output(Table):
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
         description="For table: fields with an envelope, their largest and smallest values at every node; [] for none. "
-        "With [reinforcement] the default has the required areas, too.",
+        "Default with [reinforcement]: also design moments and required areas.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:

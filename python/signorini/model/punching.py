@@ -16,8 +16,10 @@ from signorini.model.where import Acting
 from signorini.shapes import Hollow, Whole
 
 EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
-_STRENGTHS = (5.0, 120.0)
-"""Smallest and largest fck in MPa; another one is in the wrong unit."""
+_RANGES = {"fck": (5.0, 120.0), "fyk": (200.0, 1000.0)}
+"""Smallest and largest strength in MPa; another one is in the wrong unit."""
+_MOST_STEEL = 0.1
+"""Largest ratio of reinforcement; a larger one is in per cent."""
 
 
 Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
@@ -136,11 +138,16 @@ class Punching(base.OnPlate, base.Named):
             if unit not in known:
                 yield (), f"{self.code} needs a known unit of {key} in units; found {unit!r} of {', '.join(known)}."
                 return
-        if self.fck is None:
-            return
         unit, pascals = f"{units.force}/{units.length}²", NEWTONS[units.force] / METRES[units.length] ** 2
-        if not _STRENGTHS[0] <= (strength := self.fck * pascals * 1e-6) <= _STRENGTHS[1]:
-            yield ("fck",), f"found {self.fck:g} {unit}, which is {strength:.3g} MPa; give 5 to 120 MPa in {unit}."
+        for key, (least, most) in _RANGES.items():
+            value = getattr(self, key)
+            if value is not None and not least <= (strength := value * pascals * 1e-6) <= most:
+                why = f"found {value:g} {unit}, which is {strength:.3g} MPa; give {least:g} to {most:g} MPa in {unit}."
+                yield (key,), why
+        if self.rho is not None and max(self.rho) > _MOST_STEEL:
+            yield ("rho",), f"found {max(self.rho):g}; a ratio is at most {_MOST_STEEL:g}, 0.6 % is 0.006."
+        if isinstance(self.beta, float) and self.beta < 1.0:
+            yield ("beta",), f"found {self.beta:g}; β is the largest shear stress over its mean, at least 1."
 
 
 def columns_of(tables: Sequence[Punching], supports: Sequence[Support], loads: Sequence[Load]) -> tuple[ColumnAt, ...]:

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from signorini.base.units import METRES, NEWTONS
 from signorini.design import en1992_bending as en1992
-from signorini.model.base import Complaint, NonNegative, Positive, Table, vector
+from signorini.model.base import Complaint, Flag, NonNegative, Positive, Table, vector
 
 _PLAIN = 1e-6
 """Largest tensile stress of a face, relative to fctm, at which no bars are required: rounding errors are smaller."""
@@ -38,7 +38,7 @@ class Reinforcement(Table):
     d_bottom: Distances | None = Field(
         default=None, description="In place of cover and bar: distances [dx, dy] from the bottom to the axes."
     )
-    face: bool = Field(
+    face: Flag = Field(
         default=False,
         description="Whether design moments within a column are those at its faces. Columns are footprints of supports "
         "at points; at a singular point the mean moments over its radius count.",

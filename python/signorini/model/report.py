@@ -14,9 +14,11 @@ class Report(Table):
     """The title block and the language of the report."""
 
     project: Text = Field(default="", description="Name or number of the project.")
+    number: Text = Field(default="", description="Number of the document.")
     client: Text = Field(default="", description="Client.")
     author: Text = Field(default="", description="Person who made the calculation.")
     checker: Text = Field(default="", description="Person who checked the calculation.")
+    approver: Text = Field(default="", description="Person who approved the calculation.")
     date: Annotated[Text, BeforeValidator(lambda value: value.isoformat() if isinstance(value, date) else value)] = (
         Field(default="", description="Date, as text or as a date of TOML.")
     )

@@ -65,8 +65,7 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
         largest = None if certificate is None else max(certificate[key] for key in _FIGURES)
         said = one["message"] or ("certificate passed" if certificate and certificate["passed"] else one["status"])
         yield (one["name"], said, largest)
-    for one in (*values["combinations"], values.get("table", {})):
-        yield from ((f"warning, {one.get('name', 'table')}", text) for text in one.get("warnings", ()))
+    yield from ((", ".join(("warning", *one["combinations"])), one["text"]) for one in values["warnings"])
 
 
 def _combinations(results: Results, units: Units) -> Sheet:

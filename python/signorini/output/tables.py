@@ -17,6 +17,7 @@ from signorini.output.checks import checks_json
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
+from signorini.output.warnings import warnings_of
 from signorini.results.figures import figures, joints, point_figures, total
 from signorini.results.line_reactions import LineReactions
 from signorini.results.result import Result
@@ -64,6 +65,7 @@ def results_json(
         },
         "snapped": snapped_json(discretisation.snapped),
         "combinations": [_combination(results, result, estimates) for result in results.full.values()],
+        "warnings": [{"text": text, "combinations": of} for text, of in warnings_of(results, estimates).items()],
         **({"checks": checks_json(results, estimates)} if results.model.check else {}),
         "governing_reactions": governing_json(results, estimates),
         "groups": [

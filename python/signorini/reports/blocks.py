@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal
 from markupsafe import Markup
 
 from signorini.base.numbers import estimated, in_unit, number
+from signorini.base.units import steel_unit
 from signorini.discretise.rows import Floats
 from signorini.model import Units
 from signorini.results.quantities import KINDS, Quantity
@@ -159,6 +160,11 @@ def data_uri(content: bytes, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
+def shown_in(quantity: Quantity, units: Units) -> tuple[float, str]:
+    """Factor and unit in which a report writes a quantity: that of the model, and `steel_unit` for areas of bars."""
+    return steel_unit(units.length) if quantity.kind == "reinforcement" else (1.0, quantity.unit(units))
+
+
 @cache
 def _catalogue() -> Mapping[str, Mapping[str, Any]]:
     text = (resources.files("signorini.reports") / "texts.toml").read_text("utf-8")
@@ -183,25 +189,37 @@ class Writer:
     def label(self, quantity: Quantity) -> str:
         """Description of a quantity with its unit, for the title of a column."""
         words = self.translated(quantity.words or quantity.name.replace("_", " ")).partition(", ")[0]
-        return words[:1].upper() + words[1:] + in_unit(quantity.unit(self.units))
+        return words[:1].upper() + words[1:] + in_unit(self.unit_of(quantity))
+
+    def unit_of(self, quantity: Quantity) -> str:
+        """Unit in which the report writes a quantity."""
+        return shown_in(quantity, self.units)[1]
+
+    def value(self, quantity: Quantity, value: object, width: object = ..., size: float = 0.0) -> Cell:
+        """Cell of a number of a quantity, written in the unit of `unit_of`."""
+        return self.number(value, width, size, shown_in(quantity, self.units)[0])
 
     def titled(self, key: str, kind: str) -> str:
         """Text of the catalogue with the unit of a kind of quantities."""
         return self(key) + in_unit(Quantity("", kind).unit(self.units))
 
-    def number(self, value: object, width: object = ..., size: float = 0.0) -> Cell:
-        """Cell of a number; ``width`` is its half-width, None if unknown, ``...`` if no half-width was computed."""
+    def number(self, value: object, width: object = ..., size: float = 0.0, scale: float = 1.0) -> Cell:
+        """Cell of a number; ``width`` is its half-width, None if unknown, ``...`` if no half-width was computed.
+
+        The text has the number times ``scale``, the value of the cell is the number itself.
+        """
         if isinstance(value, bool) or not isinstance(value, int | float):
             return Cell(_ABSENT if value is None else str(value))
         if isinstance(value, int) or not isinstance(width, int | float | None):
-            return Cell(str(value) if isinstance(value, int) else number(value, size, _DIGITS), float(value))
-        return Cell(estimated(value, width, size), value)
+            text = str(value) if isinstance(value, int) else number(scale * value, scale * size, _DIGITS)
+            return Cell(text, float(value))
+        return Cell(estimated(scale * value, None if width is None else scale * width, scale * size), value)
 
     def place(self, at: object) -> Cell:
         """Cell of a place [x, y]."""
         if not isinstance(at, list | tuple):
             return Cell("" if at is None else str(at))
-        return Cell(f"({'; '.join(f'{value:.5g}' for value in at)})")
+        return Cell(f"[{', '.join(f'{value:.5g}' for value in at)}]")
 
     def facts(self, caption: str, facts: Iterable[tuple[str, str]]) -> Table:
         """Table of names and values."""

@@ -21,16 +21,17 @@ from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.laws import constant_limit
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError
+from signorini.model import Model
 from signorini.reports.blobs import Blobs, Grid, decimal_codes, rounded
-from signorini.reports.blocks import for_script
+from signorini.reports.blocks import for_script, shown_in
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.envelope import Envelope
+from signorini.results.envelope import NONE, Envelope
 from signorini.results.load_path import LoadPath
 from signorini.results.marks import drawn, extreme, panel
-from signorini.results.quantities import FIELDS, PICTURED, PRESSURE, SIDES, on_plate
+from signorini.results.quantities import DESIGN_MOMENTS, FIELDS, PICTURED, PRESSURE, REINFORCEMENT, SIDES, on_plate
 from signorini.results.result import Result
 from signorini.results.support_result import areas_below
 
@@ -38,10 +39,6 @@ BUDGET = 1_500_000
 """Largest size of a viewer's arrays in the page [bytes]."""
 MAIN = ("deflection", PRESSURE.name)
 """Fields that take precedence: all further fields are stored as far as the budget allows."""
-_BY_WEIGHT = tuple(
-    sorted(PICTURED, key=lambda name: 2 * name.startswith("rotation") - (PICTURED[name].kind == "reinforcement"))
-)
-"""Fields in the order in which they are stored: required reinforcement first, rotations last."""
 _MOST_STOPS = 24
 """Largest number of stops of a load path in a viewer."""
 _MOST_NAMES = 500
@@ -96,16 +93,18 @@ class _OfResult:
 
     def describe(self, plate: OfWhole, name: str) -> dict[str, Any]:
         told = self._plus_minus(plate)
-        shown = panel(name, self._on(plate), told)
+        scale, _ = shown_in(PICTURED[name], self.result.model.units)
+        shown = panel(name, self._on(plate), told, scale=scale)
         of = {} if told is None else told["deflection"] if name == "deflection" else told["fields"].get(name, {})
         width = max((of[side] for side in SIDES if of.get(side) is not None), default=None)
         ends = [[words, *rounded(at)] for words, at in shown.extremes]
-        return {"range": rounded(shown.limits), "ends": ends, "discs": rounded(shown.hatched), "width": width}
+        limits, width = [scale * end for end in shown.limits], None if width is None else scale * width
+        return {"range": rounded(limits), "ends": ends, "discs": rounded(shown.hatched), "width": width}
 
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         result, nodes = self._on(plate), plate.own.stress_nodes
         if name != PRESSURE.name:
-            yield _Layer(nodes.spread(result.fields[name]))
+            yield _Layer(shown_in(PICTURED[name], result.model.units)[0] * nodes.spread(result.fields[name]))
             return
         for number, support in enumerate(result.supports):
             if (area := support.area) is not None and not support.upon:
@@ -153,14 +152,18 @@ class _OfEnvelope:
         told = self.estimates is not None and bool(self.estimates.table)
         if self.estimates is not None and told:
             width = self.estimates.half_width(f"{SIDES[self.end]}:{column}", row)
-        words = f"{extreme(SIDES[self.end], value, told, width)}, {self.label(row)}"
+        scale, _ = shown_in(PICTURED[name], self.envelope.layout.model.units)
+        width = None if width is None else scale * width
+        limits = [scale * ends.min, scale * ends.max]
+        words = f"{extreme(SIDES[self.end], scale * value, told, width, max(map(abs, limits)))}, {self.label(row)}"
         at = rounded(self.envelope.places_of(column)[self.end])
-        return {"range": rounded([ends.min, ends.max]), "ends": [[words, *at]], "discs": [], "width": width}
+        return {"range": rounded(limits), "ends": [[words, *at]], "discs": [], "width": width}
 
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         nodes = plate.own.stress_nodes
         if name != PRESSURE.name:
             values, by = self.envelope.on(plate).fields[name].sides[self.end]
+            values = shown_in(PICTURED[name], self.envelope.layout.model.units)[0] * values
             yield _Layer(nodes.spread(values), by=by[nodes.nodes] if len(by) < nodes.count else by, key=self.key)
             return
         for kind, (where, extremes) in self.envelope.pressures.items():
@@ -170,6 +173,18 @@ class _OfEnvelope:
             yield _Layer(nodes.spread(values) if at_nodes else values, at_nodes, (0.0, np.inf))
 
 
+def fields_of(model: Model) -> tuple[str, ...]:
+    """Fields of a viewer, most important first: with bars their areas and design moments; rotations and stresses last.
+
+    Von Mises' stress is no stress of concrete.
+    """
+    if model.bars is None:
+        return tuple(PICTURED)
+    first = (*REINFORCEMENT, *DESIGN_MOMENTS, *MAIN)
+    last = ("rotation_x", "rotation_y", "von_mises")
+    return (*first, *(name for name in PICTURED if name not in first + last), *last)
+
+
 _State = _OfResult | _OfEnvelope
 
 
@@ -177,7 +192,7 @@ def map_data(
     results: Results | Result | LoadPath,
     estimates: Estimates | None = None,
     *,
-    fields: Sequence[str] = _BY_WEIGHT,
+    fields: Sequence[str] = (),
     budget: int = BUDGET,
     columns: Sequence[Punched] = (),
 ) -> MapData:
@@ -192,7 +207,7 @@ def map_data(
     estimates : Estimates, optional
         Half-widths: ``signorini.estimate(results)``.
     fields : sequence of str
-        Names in `PICTURED`, most important first.
+        Names in `PICTURED`, most important first; by default `fields_of`.
     budget : int
         Largest size of the arrays in the page [bytes].
     columns : sequence of Punched
@@ -207,10 +222,11 @@ def map_data(
     states, blobs = list(_states(results, estimates)), Blobs(budget)
     if not states:
         raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
-    units = whole.model.units
+    units, fields = whole.model.units, fields or fields_of(whole.model)
+    main = (*MAIN, *REINFORCEMENT, *DESIGN_MOMENTS) if whole.model.bars else MAIN
     plates = [_Plate.of(plate, blobs, columns) for plate in whole.discretisation.members]
     asked = sorted(
-        (4 * (state.rank > 1) + 2 * (name not in MAIN) + state.rank % 2, order, row, plate)
+        (4 * (state.rank > 1) + 2 * (name not in main) + state.rank % 2, order, row, plate)
         for row, state in enumerate(states)
         for order, name in enumerate(fields)
         for plate, of in enumerate(plates)
@@ -230,12 +246,12 @@ def map_data(
             continue
         about = state.describe(of.plate, name)
         stored[row][plate][name] = about | {"layers": layers, "discs": of.disc_number(about["discs"])}
-    kept = [name for name in PICTURED if any(name in of for row in stored for of in row)]
+    kept = [name for name in fields if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
         "length": units.length,
         "plates": [one.header for one in plates],
-        "fields": [{"name": of, "words": PICTURED[of].words, "unit": PICTURED[of].unit(units)} for of in kept],
+        "fields": [{"name": of, "words": PICTURED[of].words, "unit": shown_in(PICTURED[of], units)[1]} for of in kept],
         "states": [
             state.about
             | {
@@ -355,7 +371,11 @@ class _Plate:
             if layer.by is not None:
                 rows, numbers = np.unique(layer.by, return_inverse=True)
                 by = self.blobs.add(self.grid.at_nodes(numbers)) if len(rows) <= _MOST_NAMES else None
-                about |= {} if by is None else {"by": by, "names": [layer.key(row) for row in rows.tolist()]}
+                about |= (
+                    {}
+                    if by is None
+                    else {"by": by, "names": ["" if row == NONE else layer.key(row) for row in rows.tolist()]}
+                )
             if blob is None or any(area["on"] is None for area in self.header["areas"].values()):
                 return None
             result.append(about)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,16 +17,18 @@ from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
 from signorini.reports.diagrams import diagrams
-from signorini.reports.maps import map_data, map_html
+from signorini.reports.maps import fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import (
     AT_PROBES,
+    DESIGN_MOMENTS,
     MEANS,
     OF_AREAS,
     OF_LINES,
     PICTURED,
+    REINFORCEMENT,
     SIDES,
     THROUGH,
     Quantity,
@@ -62,24 +64,50 @@ def extremes(of: Contents, name: str) -> Iterator[tuple[str, float, Any, str, An
         yield side, own[side], _width(one["plus_minus"], *path, side), one["name"], own[f"{side}_at"]
 
 
-def _limited(of: Contents, value: Any, limit: Any) -> list[Cell]:
-    """Cells of a value and of its limit, or of its two limits."""
-    ends = limit if isinstance(limit, list) else [limit]
-    texts = [of.write.number(end) for end in ends]
-    return [of.write.number(value), texts[0] if len(ends) == 1 else Cell(" … ".join(cell.text for cell in texts))]
+class _Check(NamedTuple):
+    """A check in the summary; half-widths are None if unknown, ``...`` if none were computed."""
+
+    name: str
+    of: str
+    value: float | None
+    value_width: Any
+    limit: float | None
+    used: float | None
+    width: Any
+    by: str | None
+    place: Any
+    passed: bool | None
+    verdict: str
 
 
-def _checks(of: Contents) -> Iterator[tuple[str, str, Any, Any, Any, Any, str, Any, str]]:
-    """Yield each check: name, checked number, value, limit, utilisation, half-width, combination, place, verdict."""
+def _checks(of: Contents) -> list[_Check]:
+    """Checks and punched columns, the largest utilisation first."""
+    result = list[_Check]()
     for one in of.values.get("checks") or ():
-        numbers = (one[key] for key in ("value", "limit", "utilisation", "plus_minus", "governing"))
-        place, verdict = one["place"], of.write(VERDICTS[one["verdict"]])
-        yield one["name"], one["of"], *numbers, place, verdict
-    for one in of.punched:
-        used, told = one.utilisation
-        name, values = f"{of.write('punching')} {one.of.name}", (one.of.numbers[key] for key in ("v_ed", "v_rd_c"))
-        _, verdict = verdict_on(of, used, told)
-        yield name, "v_ed", *values, used, told, one.combination, list(one.of.at), verdict
+        width = ... if of.estimates is None else one["plus_minus"]
+        own = width if width in (None, ...) else abs(one["limit"]) * width
+        numbers = one["value"], own, one["limit"], one["utilisation"], width, one["governing"]
+        result.append(_Check(one["name"], one["of"], *numbers, one["place"], one["passed"], VERDICTS[one["verdict"]]))
+    for column in of.punched:
+        used, width = column.utilisation
+        own = ... if column.widths is None else column.widths["v_ed"]
+        value, limit = (column.of.numbers[key] for key in ("v_ed", "v_rd_c"))
+        passed, verdict = judged(used, None if width is ... else width, width is not ..., 0)
+        told = value, own, limit, used, width, column.combination, list(column.of.at), passed, VERDICTS[verdict]
+        result.append(_Check(f"{of.write('punching')} {column.of.name}", "v_ed", *told))
+    return sorted(result, key=lambda check: -(math.inf if check.used is None else check.used))
+
+
+def _verdicts(of: Contents, checks: Sequence[_Check]) -> Iterator[Block]:
+    """Yield how many checks passed, the names of those that failed, and what to do where ± is unknown."""
+    write, failed = of.write, [one.name for one in checks if one.passed is False]
+    undecided = [one for one in checks if one.passed is None]
+    counts = {"passed": len(checks) - len(failed) - len(undecided), "failed": len(failed), "open": len(undecided)}
+    names = f" ({', '.join(failed)})" if failed else ""
+    words = write("verdicts", all=len(checks), names=names, **counts)
+    yield Text(words, "bad" if failed else "warning" if undecided else "good")
+    if unknown := ", ".join(one.name for one in undecided if one.verdict == "width_unknown"):
+        yield Text(write("unknown_widths", names=unknown), "warning")
 
 
 VERDICTS = {
@@ -103,8 +131,10 @@ def verdict_on(of: Contents, used: float, width: Any) -> tuple[bool | None, str]
 
 
 def summary(of: Contents) -> Iterator[Block]:
-    """Yield the verdict on equilibrium and certificates, all checks, and the extreme results."""
-    write, values = of.write, of.values
+    """Yield the verdict on all checks, the verdict on equilibrium and certificates, and the table of checks."""
+    write, values, checks = of.write, of.values, _checks(of)
+    if checks:
+        yield from _verdicts(of, checks)
     table = values.get("table") or {}
     count = table.get("solved", sum(1 for _ in solved(values)))
     failed = len(of.results) - count
@@ -115,27 +145,21 @@ def summary(of: Contents) -> Iterator[Block]:
         yield from _in_english(write)
         for name, message in islice(of.results.unbalanced.items(), _MOST_REASONS):
             yield Text(f"{of.code(name)}: {message}", "bad", english=True)
-    rows = [
-        [
-            Cell(name),
-            *_limited(of, value, limit),
-            Cell(of.unit_of(checked)),
-            write.number(used, width),
-            Cell(of.code(by) if by else ""),
-            write.place(place),
-            Cell(verdict),
-        ]
-        for name, checked, value, limit, used, width, by, place, verdict in sorted(
-            _checks(of), key=lambda check: -(math.inf if check[4] is None else check[4])
-        )
-    ]
+    rows = []
+    for one in checks:
+        quantity = of.checked(one.of) or Quantity("", "part")
+        value, limit = write.value(quantity, one.value, one.value_width), write.value(quantity, one.limit)
+        cells = [Cell(one.name), value, limit, Cell(write.unit_of(quantity)), write.number(one.used, one.width)]
+        governing = [Cell(of.code(one.by) if one.by else ""), write.place(one.place)]
+        rows.append([*cells, *governing, Cell(write(one.verdict))])
     head = ("check", "value", "limit", "unit", "utilisation", "governing", "place", "verdict")
     yield Table(write("checks"), [write(key) for key in head], rows) if rows else Text(write("no_checks"))
-    yield Table(
-        write("extremes"),
-        [write("quantity"), *(write(key) for key in ("value", "governing", "place"))],
-        [*_field_rows(of, ["deflection"]), *_reaction_rows(of)],
-    )
+
+
+def extreme_results(of: Contents) -> Iterator[Block]:
+    """Yield the extreme deflections, reactions and pressures."""
+    head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
+    yield Table(of.write("extremes"), head, [*_field_rows(of, ["deflection"]), *_reaction_rows(of)])
 
 
 def _in_english(write: Writer) -> Iterator[Text]:
@@ -149,9 +173,12 @@ def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
     for name in names:
         ends = list(extremes(of, name))
         size = max((abs(end[1]) for end in ends), default=0.0)
+        governing = "min" if DESIGN_MOMENTS.get(name, 1.0) < 0.0 else "max"
         for side, value, width, by, at in ends:
+            if side != governing and (name in DESIGN_MOMENTS or name in REINFORCEMENT):
+                continue  # it is 0
             words = f"{write.label(PICTURED[name])}, {write(side)}"
-            yield [Cell(words), write.number(value, width, size), Cell(of.code(by)), write.place(at)]
+            yield [Cell(words), write.value(PICTURED[name], value, width, size), Cell(of.code(by)), write.place(at)]
 
 
 def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
@@ -293,7 +320,7 @@ def fields(of: Contents) -> Iterator[Block]:
         yield _map(of, of.results, "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
-    yield Table(of.write("field_extremes"), head, list(_field_rows(of, list(PICTURED))))
+    yield Table(of.write("field_extremes"), head, list(_field_rows(of, fields_of(of.results.model))))
     told = [(one, number, probe) for one in solved(of.values) for number, probe in enumerate(one["probes"])]
     known = [one for one in AT_PROBES if any(found(probe, *one.path) is not None for _, _, probe in told)]
     head = [of.write(key) for key in ("combination", "probe", "place")]
@@ -302,8 +329,8 @@ def fields(of: Contents) -> Iterator[Block]:
         for one, number, probe in told:
             keys = ("probes", number)
             cells = [Cell(of.short(one["name"])), Cell(f"{number + 1}"), of.write.place(probe["at"])]
-            numbers = ((found(probe, *each.path), _width(one["plus_minus"], *keys, *each.path)) for each in some)
-            rows.append([*cells, *(of.write.number(*pair) for pair in numbers)])
+            values = ((each, found(probe, *each.path), _width(one["plus_minus"], *keys, *each.path)) for each in some)
+            rows.append([*cells, *(of.write.value(*one) for one in values)])
         yield Table(_part(of.write("probes"), first, len(known)), [*head, *map(of.write.label, some)], rows)
 
 
@@ -316,8 +343,8 @@ def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
     """Interactive map with its texts in the language of the report."""
 
     def markup(budget: int) -> str:
-        told, columns = (of.estimates, of.punched) if results is of.results else (None, ())
-        data = map_data(results, told, budget=budget, columns=columns)
+        own = results is of.results
+        data = map_data(results, of.estimates if own else None, budget=budget, columns=of.punched if own else ())
         words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
         return map_html(data, name, of.write.language, words)
 
@@ -337,7 +364,8 @@ def cuts(of: Contents) -> Iterator[Block]:
         for index, strip in enumerate(one["strips"]):
             for number, station in enumerate(strip["stations"]):
                 keys = ("strips", index, "stations", number)
-                cells = (write.number(found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
+                values = ((each, found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
+                cells = (write.value(*one) for one in values)
                 at = [write.place(station["at"]), write.number(station["width"])]
                 strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
@@ -395,21 +423,15 @@ def punching(of: Contents) -> Iterator[Block]:
 
 
 def warnings(of: Contents) -> Iterator[Block]:
-    """Yield each warning once, with the combinations it is about, and the places without a limit."""
-    said: dict[str, list[str]] = {}
-    for one in of.values["combinations"]:
-        for sentence in one["warnings"]:
-            said.setdefault(sentence, []).append(of.code(one["name"]))
-    for sentence in found(of.values, "table", "warnings") or ():
-        said.setdefault(sentence, [])
-    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
-    if said or singular:
-        yield from _in_english(of.write)
-    for sentence, names in said.items():
-        every = len(names) in (0, len(of.values["combinations"]))
-        yield Text(sentence if every else f"{sentence} ({', '.join(names)})", "warning", english=True)
-    if not said:
+    """Yield each warning with the combinations that it is about, and the places without a limit."""
+    for one in of.values["warnings"]:
+        names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
+        yield Text(one["text"] + names, "warning", english=True)
+    if not of.values["warnings"]:
         yield Text(of.write("no_warnings"))
+    singular = {one["what"]: one for combination in of.values["combinations"] for one in combination["singular"]}
+    if of.values["warnings"] or singular:
+        yield from _in_english(of.write)
     rows = [
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()

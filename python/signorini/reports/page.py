@@ -10,7 +10,9 @@ import subprocess
 import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import datetime
 from importlib import resources
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +30,7 @@ from signorini.errors import InputError, SignoriniError
 from signorini.formats.xlsx import write_xlsx
 from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
-from signorini.reports import numbers, sections
+from signorini.reports import design, numbers, sections
 from signorini.reports.blocks import Block, Map, Section, Text, Writer, data_uri
 from signorini.reports.maps import assets_html
 from signorini.reports.sections import Contents
@@ -47,9 +49,9 @@ _SECONDS = 180
 """Longest time that a browser may take to print."""
 
 _SECTIONS: Mapping[str, Callable[[Contents], Iterator[Block]]] = {
-    "scope": sections.scope,
-    "summary": numbers.summary,
-    "materials": sections.materials,
+    "scope": lambda of: chain(sections.scope(of), design.not_checked(of)),
+    "summary": lambda of: chain(numbers.summary(of), design.uncracked(of), numbers.extreme_results(of)),
+    "materials": lambda of: chain(sections.materials(of), design.strengths(of), design.factors(of)),
     "geometry": sections.geometry,
     "loads": sections.loads,
     "combinations": sections.combinations,
@@ -58,6 +60,7 @@ _SECTIONS: Mapping[str, Callable[[Contents], Iterator[Block]]] = {
     "fields": numbers.fields,
     "cuts": numbers.cuts,
     "load_path": numbers.load_path,
+    "reinforcement": design.reinforcement,
     "punching": numbers.punching,
     "warnings": numbers.warnings,
     "input": lambda of: iter([Text(of.source, "verbatim")]),
@@ -165,8 +168,9 @@ def page(results: Results, estimates: Estimates | None, source: str, load_path: 
     contents = Contents(results, estimates, values, write, source, load_path)
     made = (sections.section(key, blocks(contents)) for key, blocks in _SECTIONS.items())
     own: Sequence[Section] = [one for one in made if one is not None]
-    keys = ("project", "client", "author", "checker", "date", "revision")
+    keys = ("project", "number", "client", "author", "checker", "approver", "date", "revision")
     block = {write(key): text for key in keys if (text := getattr(model.report, key))}
+    block[write("run")] = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
     program = f"{values['program']['name']} {values['program']['version']}"
     title = model.title or values["input"]["file"] or write("report")
     environment = Environment(

@@ -171,7 +171,7 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
 
 
 def _along(direction: complex) -> str:
-    return f"({direction.real:.4g}; {direction.imag:.4g})"
+    return f"[{direction.real:.4g}, {direction.imag:.4g}]"
 
 
 _Help = Iterator[tuple[str, str, float, int, int, str]]

@@ -24,14 +24,22 @@ _MOST_ROWS = 500
 """Largest number of combinations that are listed."""
 _PLACES = ("at", "edge", "line", "circle", "area", "nodes", "shape")
 _UNITS = {
-    **dict.fromkeys(("E", "Ex", "Ey", "Gxy", "Gxz", "Gyz", "pressure", "limit", "fck", "fyk"), -2),
-    **dict.fromkeys(("line_load",), -1),
+    **dict.fromkeys(("E", "Ex", "Ey", "Gxy", "Gxz", "Gyz", "pressure", "fck", "fyk"), -2),
+    **dict.fromkeys(("line_load", "Sx", "Sy"), -1),
     **dict.fromkeys(("unit_weight",), -3),
-    **dict.fromkeys(("force", "preload"), 0),
-    **dict.fromkeys(("couple", "Dx", "Dy", "D1", "Dxy"), 1),
+    **dict.fromkeys(("force", "preload", "preload_force"), 0),
+    **dict.fromkeys(("couple", "moment", "couple_about", "Dx", "Dy", "D1", "Dxy"), 1),
 }
 """Exponent of the length in units of keys of the input that are forces."""
-_LENGTHS = ("thickness", "gap", "settlement", "radius", "size", "inner", "outer", "d", "bar", "column", "diameter")
+_OF_PLACES = {"stiffness": -1, "limit": 0, "rotational_stiffness": 1}
+"""Exponent of the length in units of keys that are per point; along lines and on areas they are per length and area."""
+_PER = {"edge": -1, "line": -1, "circle": -1, "area": -2}
+_LENGTHS = frozenset(
+    (
+        *("thickness", "gap", "settlement", "radius", "size", "inner", "outer", "d", "bar", "column", "diameter"),
+        *("patch", "top", "bottom", "d_top", "d_bottom"),
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -67,15 +75,15 @@ class Contents:
         count = len(self.results.model.support) - len(self.results.model.contact)
         return ("supports", index) if index < count else ("contacts", index - count)
 
-    def unit_of(self, checked: str) -> str:
-        """Unit of the number or field that a check names, such as "soil.max_pressure"."""
+    def checked(self, checked: str) -> Quantity | None:
+        """Quantity of the number or field that a check names, such as "soil.max_pressure"."""
         name = checked.rpartition(".")[2]
         found = (
             [PICTURED[name]]
             if name in PICTURED
             else [one for (_, what), one in self.quantities.items() if what == name]
         )
-        return found[0].unit(self.write.units) if found else ""
+        return found[0] if found else None
 
     def code(self, name: str) -> str:
         """Number of a combination with its name: "C17: ULS"; the name alone if there are fewer than three."""
@@ -115,7 +123,7 @@ def scope(of: Contents) -> Iterator[Block]:
 
 
 def materials(of: Contents) -> Iterator[Block]:
-    """Yield materials, thicknesses, zones, reinforcement and partial factors as the input has them."""
+    """Yield materials, thicknesses, zones and reinforcement as the input has them."""
     write, rows = of.write, list[Sequence[Cell]]()
     parts = [(write("plate"), of.input.get("material")), (write("plate"), of.input.get("plate"))]
     parts += [(name, plate) for name, plate in (of.input.get("plates") or {}).items()]
@@ -125,19 +133,6 @@ def materials(of: Contents) -> Iterator[Block]:
         for key, value in _flat(table or {}, ("mesh", "points", "holes", "area", "shape", "origin", "size", "element")):
             rows.append([Cell(owner), Cell(key), value_of(of, key.rpartition(".")[2], value)])
     yield Table(write("materials"), [write("part"), write("property"), write("value")], rows)
-    rows = [
-        [Cell(str(one.get("name", one["generate"]))), Cell(str(key)), Cell(_words(of, value))]
-        for one in of.input.get("combination", ())
-        for key, value in _flat(one, ("name", "factors", "file", "columns", "rows"))
-        if "generate" in one
-    ]
-    rows += [
-        [Cell(name), Cell(key), Cell(_words(of, value))]
-        for name, case in (of.input.get("cases") or {}).items()
-        for key, value in _flat(case, ())
-    ]
-    if rows:
-        yield Table(write("factors"), [write("part"), write("property"), write("value")], rows)
 
 
 def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") -> Iterator[tuple[str, Any]]:
@@ -149,15 +144,19 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
             yield before + key, value
 
 
-def value_of(of: Contents, key: str, value: Any) -> Cell:
-    """Cell of a value of the input with its unit, if the unit of its key is known."""
+def value_of(of: Contents, key: str, value: Any, table: Mapping[str, Any] | None = None) -> Cell:
+    """Cell of a value of the input with its unit, if the unit of its key is known; ``table`` has the place."""
     units = of.write.units
-    unit = units.force_by_length(_UNITS[key]) if key in _UNITS else units.length if key in _LENGTHS else ""
+    power = _UNITS.get(key)
+    if table is not None and key in _OF_PLACES:
+        power = _OF_PLACES[key] + next((_PER[place] for place in _PER if place in table), 0)
+    unit = units.length if key in _LENGTHS else "°" if key == "angle" else ""
+    unit = unit if power is None else units.force_by_length(power)
     return Cell(f"{_words(of, value)} {unit}".rstrip())
 
 
 def _words(of: Contents, value: Any) -> str:
-    """Text of a value of the input: numbers, names, points (x; y), lists and tables of these."""
+    """Text of a value of the input: numbers, names, points [x, y], lists and tables of these."""
     if isinstance(value, bool):
         return of.write("yes" if value else "no")
     if isinstance(value, Mapping):
@@ -166,7 +165,7 @@ def _words(of: Contents, value: Any) -> str:
         return number(value) if isinstance(value, float) else str(value)
     words = [_words(of, one) for one in value]
     numeric = len(value) > 1 and all(isinstance(one, int | float) for one in value)
-    return f"({'; '.join(words)})" if numeric else ", ".join(words)
+    return f"[{', '.join(words)}]" if numeric else ", ".join(words)
 
 
 def _place(of: Contents, table: Mapping[str, Any], default: str = "") -> str:
@@ -185,10 +184,10 @@ def geometry(of: Contents) -> Iterator[Block]:
     for kind in ("support", "contact"):
         for index, table in enumerate(of.input.get(kind, ()), 1):
             place = _place(of, table)
-            rest = (f"{key} = {value_of(of, key, value).text}" for key, value in table.items())
+            rest = (f"{key} = {value_of(of, key, value, table).text}" for key, value in table.items())
             shown = [text for key, text in zip(table, rest, strict=True) if key not in ("name", *_PLACES)]
             rows.append([Cell(str(table.get("name", f"{kind} {index}"))), Cell(place), Cell("; ".join(shown))])
-    yield Table(write("supports"), [write("support"), write("place"), write("properties")], rows)
+    yield Table(write("supports"), [write("support"), write.titled("place", "deflection"), write("properties")], rows)
     if moved := of.values["snapped"]:
         rows = [[Cell(one["what"]), write.place(one["from"]), write.place(one["to"])] for one in moved]
         yield Table(write("snapped"), [write("what"), write("from"), write("to")], rows)
@@ -204,14 +203,14 @@ def loads(of: Contents) -> Iterator[Block]:
             f"{key} = {value_of(of, key, value).text}" for key, value in table.items() if key not in ("case", *_PLACES)
         )
         rows.append([Cell(str(table.get("case", "load"))), Cell("; ".join(shown)), Cell(place)])
-    yield Table(write("loads"), [write("case"), write("load"), write("place")], rows)
+    yield Table(write("loads"), [write("case"), write("load"), write.titled("place", "deflection")], rows)
     rows, units = [], of.write.units
     for case, load in discretisation.cases.items():
         force, *moments = (discretisation.rigid_motions.T @ load.weighing).reshape(-1, 3).sum(axis=0).tolist()
         most = float(np.abs(load.weighing).sum())
         at: object = None
         if any(moments):
-            at = f"{write('couple')} ({'; '.join(f'{moment:.5g}' for moment in moments)}) {units.force_by_length(1)}"
+            at = f"{write('couple')} [{', '.join(f'{moment:.5g}' for moment in moments)}] {units.force_by_length(1)}"
         if abs(force) > NO_FORCE * most:
             at = [
                 middle + moment / force for middle, moment in zip(discretisation.middle.tolist(), moments, strict=True)
@@ -245,7 +244,7 @@ def glossary(of: Contents) -> Iterator[Block]:
     write, rows = of.write, dict[str, Sequence[Cell]]()
     for one in (*in_model(of.results.model, PICTURED.values()), *of.quantities.values()):
         words = write.translated(one.words or one.name.replace("_", " "))
-        rows.setdefault(words, [Cell(one.name), Cell(words), Cell(one.unit(write.units) or "–")])
+        rows.setdefault(words, [Cell(one.name), Cell(words), Cell(write.unit_of(one) or "–")])
     yield Table(write("glossary"), [write("symbol"), write("meaning"), write("unit")], list(rows.values()))
 
 

@@ -432,9 +432,16 @@ def field_range(field: str, result: ResultState) -> tuple[float, float]:
 
 
 def panel(
-    field: str, result: ResultState, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
+    field: str,
+    result: ResultState,
+    widths: Mapping[str, Any] | None = None,
+    limits: tuple[float, float] | None = None,
+    scale: float = 1.0,
 ) -> Panel:
-    """Panel of a field, or of the pressure, with its extremes and, if known, their half-widths."""
+    """Panel of a field, or of the pressure, with its extremes and, if known, their half-widths.
+
+    Labels of the extremes have the numbers times ``scale``.
+    """
     of, measured = quantity_of(result.model, field)
     label, map_of = of.label(result.model.units), KINDS[of.kind].colours
     limits = limits or field_range(field, result)
@@ -450,8 +457,10 @@ def panel(
     ends, values = _ends(field, result), None
     if widths is not None and field in result.extremes:
         values = widths["deflection"] if field == "deflection" else widths["fields"][field]
+    largest = scale * max(abs(ends.max), abs(ends.min))
+    half = {name: values and values[name] and scale * values[name] for name in ("max", "min")}
     named = [
-        (extreme(name, value, values is not None, values and values[name]), at)
+        (extreme(name, scale * value, values is not None, half[name], largest), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
     hatched = discs(result.excluding(measured.singular) if measured.name in PEAKING else ())
@@ -527,19 +536,21 @@ def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]
     return list(dict.fromkeys([*result, *(end for end in ends if values[end] < 0.0)]))
 
 
-def extreme(name: str, value: float, told: bool, width: float | None) -> str:
+def extreme(name: str, value: float, told: bool, width: float | None, largest: float = 0.0) -> str:
     """Label of an extreme: its value and, if ``told``, its half-width; ± ? if that is unknown.
+
+    Relative to ``largest`` rounding errors are 0.
 
     Examples
     --------
     >>> extreme("min", -21.3412, True, 0.25), extreme("max", 21.3412, False, None), extreme("max", 21.3412, True, None)
     ('min −21.34 ± 0.25', 'max 21.34', 'max 21.34 ± ?')
     """
-    return f"{name} {_written(value, told, width)}"
+    return f"{name} {_written(value, told, width, largest)}"
 
 
-def _written(value: float, told: bool, width: float | None) -> str:
-    return estimated(value, width).replace("-", "−") if told else plain(value, 4)
+def _written(value: float, told: bool, width: float | None, largest: float = 0.0) -> str:
+    return estimated(value, width, largest).replace("-", "−") if told else plain(value, 4)
 
 
 def _ends(field: str, result: ResultState) -> FieldExtremes:

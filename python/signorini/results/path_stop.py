@@ -106,7 +106,8 @@ class PathStop(Brief):
     def with_part(self, index: int, part: float, count: int) -> PathStop:
         """Copy of the stop in which support number ``index``, of ``count`` points, has the closed part ``part``."""
         values, closed = self.values.copy(), round(part * count)
-        values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
+        places = self.catalogue.at("support", "closed_part", "lifted_part", "closed", "open")[index]
+        values[places] = part, 1.0 - part, closed, count - closed
         return replace(self, values=values)
 
     def _of(self, home: Home, name: str) -> Floats:

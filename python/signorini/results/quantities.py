@@ -281,6 +281,7 @@ OF_SUPPORTS = (
     Quantity("closed", "count", "closed, number of points", enveloped=False),
     Quantity("open", "count", "open, number of points", enveloped=False),
     Quantity("closed_part", "part", "closed part, 0 to 1", tabled=False),
+    Quantity("lifted_part", "part", "lifted part, 1 − closed part", tabled=False),
 )
 OF_AREAS = (
     Quantity("max_pressure", "pressure", "max pressure, positive up"),
@@ -409,7 +410,7 @@ _OF_ANSWERS = ("prying", "piece")
 """Names of quantities that need the whole answer, not only readings."""
 SMOOTH = frozenset(
     (
-        *("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"),
+        *("contact_area", "max_pressure", "closed_part", "lifted_part", "max_moment", "min_moment"),
         *("max_per_length", "min_per_length", "v_ed", "kern", "utilisation"),
     )
 )
@@ -596,7 +597,7 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
 
 def _is_tabled(model: Model, number: Number) -> bool:
     """Whether a check measures a number that only then has a column; sums of load cases do not have every number."""
-    line = number.what == "closed_part" and model.support[number.owner].along_line
+    line = number.what in ("closed_part", "lifted_part") and model.support[number.owner].along_line
     missing = bool(model.plates) or line or number.what in _OF_ANSWERS
     return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
 

@@ -567,6 +567,7 @@ _OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
     "closed": lambda of: of.closed.sum(axis=1),
     "open": lambda of: (~of.closed).sum(axis=1),
     "closed_part": lambda of: of.closed_part,
+    "lifted_part": lambda of: 1.0 - of.closed_part,
     "max_pressure": lambda of: np.fmax.reduce(of.pressures, axis=1, initial=0.0),
     "max_tension": lambda of: np.fmax.reduce(-of.pressures, axis=1, initial=0.0),
     "contact_area": lambda of: of.contact_area,

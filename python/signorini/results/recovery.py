@@ -211,6 +211,6 @@ def unsolved_result(discretisation: Discretisation, combination: Combination, me
         singular=(),
         thickness=discretisation.node_thickness,
         catalogue=catalogue,
-        _read=np.full(len(catalogue), nan),
+        _read=overturned(discretisation, catalogue, np.full((1, len(catalogue)), nan), [combination])[0],
         combination=combination,
     )

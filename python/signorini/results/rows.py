@@ -21,6 +21,7 @@ from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.quantities import (
+    DESIGN_MOMENTS,
     ENDS,
     FIELDS,
     OF_AREAS,
@@ -164,10 +165,11 @@ class Layout:
     def of(cls, discretisation: Discretisation) -> Layout:
         """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``.
 
-        Without the key ``output.envelope`` the required reinforcement has extremes, too.
+        Without the key ``output.envelope`` design moments and required areas have extremes, too.
         """
         model, output = discretisation.model, discretisation.model.output
-        by_default = REINFORCEMENT if model.bars and "envelope" not in output.model_fields_set else ()
+        designed = model.bars and "envelope" not in output.model_fields_set
+        by_default = (*DESIGN_MOMENTS, *REINFORCEMENT) if designed else ()
         fields = tuple(name for name in FIELDS if name in (*output.envelope, *by_default, *checked_fields(model)))
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]

@@ -19,6 +19,7 @@ from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.material import ZONE_KEYS
+from signorini.model.punching import EN_1992
 from signorini.model.where import Acting
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.extremes import Means
@@ -75,7 +76,7 @@ def model_warnings(discretisation: Discretisation, acting: Collection[str] | Non
 @kept
 def _whatever_acts(discretisation: Discretisation) -> tuple[str, ...]:
     of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
-    of_supports = _one_place, _overlaps, _footprints, _loads_overlap, _never_act, _beds_both_ways, _couples
+    of_supports = _one_place, _overlaps, _footprints, _loads_overlap, _never_act, _beds_both_ways, _couples, _no_moments
     return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
 
 
@@ -249,6 +250,21 @@ def _beds_both_ways(discretisation: Discretisation) -> Iterator[str]:
     """Warn of beds that can pull the plate down if another support is one-sided: soil and grout hardly pull."""
     if _some_one_way(discretisation.model):
         yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(discretisation.model))
+
+
+def _no_moments(discretisation: Discretisation) -> Iterator[str]:
+    """Warn of punched columns whose β is computed from moments that their points cannot transfer."""
+    supports = {support.name: support for support in discretisation.model.support}
+    for punching in discretisation.model.punching:
+        support = supports.get(punching.support or "")
+        if support is None or punching.beta != "computed" or support.area is not None:
+            continue
+        if not support.rotational and not support.holds_rotation:
+            known = " or beta = 1.15 inside, 1.4 at edges, 1.5 at corners (EN 1992-1-1, 6.4.3 (6))"
+            yield (
+                f"Punching of {support.name}: supports without rotational stiffness transfer no moment, β = 1. Give "
+                f"rotational_stiffness{known if punching.code == EN_1992 else ' or beta'}."
+            )
 
 
 def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
