@@ -1,4 +1,4 @@
-"""Sections of a report on design codes: strengths, factors of combinations, required reinforcement, what is missing."""
+"""Sections of a report by design codes: strengths, factors of combinations, required reinforcement, open checks."""
 
 from __future__ import annotations
 

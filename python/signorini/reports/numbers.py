@@ -99,7 +99,7 @@ def _checks(of: Contents) -> list[_Check]:
 
 
 def _verdicts(of: Contents, checks: Sequence[_Check]) -> Iterator[Block]:
-    """Yield how many checks passed, the names of those that failed, and what to do where ± is unknown."""
+    """Yield the number of checks that passed, the names of failed checks, and advice where ± is unknown."""
     write, failed = of.write, [one.name for one in checks if one.passed is False]
     undecided = [one for one in checks if one.passed is None]
     counts = {"passed": len(checks) - len(failed) - len(undecided), "failed": len(failed), "open": len(undecided)}

@@ -42,7 +42,7 @@ _LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_LOGO = 500_000
 """Largest size of a logo [bytes]."""
 _LARGEST_PAGE = 1_900_000
-"""Size of a page up to which it has arrays of maps [bytes]; the texts of the maps are added."""
+"""Largest size of a page with the arrays of its maps [bytes]; the texts of the maps come on top."""
 _LEAST_MAP = 600_000
 """Size that the arrays of a map may have on every page [bytes]."""
 _SECONDS = 180

@@ -249,6 +249,6 @@ def glossary(of: Contents) -> Iterator[Block]:
 
 
 def section(key: str, blocks: Iterator[Block]) -> Section | None:
-    """Section of some blocks; None if there are none, or only tables without rows."""
+    """Section of blocks without empty tables; None if no block remains."""
     own = [one for one in blocks if not isinstance(one, Table) or one.rows]
     return Section(key, own) if own else None
