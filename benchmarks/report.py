@@ -23,6 +23,7 @@ from combinations import tables
 from design_envelopes import BARS
 
 import signorini
+from signorini.base.units import steel_unit
 from signorini.reports.page import page
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -85,7 +86,8 @@ def under_pointer(shown, results):
                 )
                 shown.mouse.move(*place)
                 said = float(shown.inner_text(".tip b").replace("\u2212", "-").split()[0])
-                worst, count = max(worst, abs(said - value) / digit), count + 1
+                shown_value = value * (steel_unit("m")[0] if field.startswith("as_") else 1.0)
+                worst, count = max(worst, abs(said - shown_value) / digit), count + 1
     return worst, count
 
 

@@ -497,3 +497,13 @@ def test_a_given_stiffness_has_no_stresses() -> None:
 def test_the_budget_holds_the_mesh(slab: Results) -> None:
     with pytest.raises(InputError, match="budget"):
         map_data(slab, budget=1000)
+
+
+def test_utilisations_of_checked_fields_have_maps() -> None:
+    check = {"name": "stress", "of": "von_mises", "limit": 1e6}
+    results = signorini.solve(with_combinations(3, check=[check]))
+    states = map_data(results).header["states"]
+    assert [one["kind"] for one in states if "utilisation:stress" in one["plates"][0]["fields"]].count("largest") == 1
+    (checked,) = signorini.check_results(results)
+    about = states[0]["plates"][0]["fields"]["utilisation:stress"]
+    assert about["range"][1] == pytest.approx(checked.utilisation, rel=1e-6)

@@ -27,6 +27,7 @@ from signorini.reports.blocks import for_script, shown_in
 from signorini.reports.map_marks import EXACT, lines_of, plate_marks, support_states
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched
+from signorini.results.checks import quantity_of, utilisations
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.load_path import LoadPath
@@ -93,7 +94,7 @@ class _OfResult:
 
     def describe(self, plate: OfWhole, name: str) -> dict[str, Any]:
         told = self._plus_minus(plate)
-        scale, _ = shown_in(PICTURED[name], self.result.model.units)
+        scale, _ = _shown_in(self.result.model, name)
         shown = panel(name, self._on(plate), told, scale=scale)
         of = {} if told is None else told["deflection"] if name == "deflection" else told["fields"].get(name, {})
         width = max((of[side] for side in SIDES if of.get(side) is not None), default=None)
@@ -104,7 +105,7 @@ class _OfResult:
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         result, nodes = self._on(plate), plate.own.stress_nodes
         if name != PRESSURE.name:
-            yield _Layer(shown_in(PICTURED[name], result.model.units)[0] * nodes.spread(result.fields[name]))
+            yield _Layer(_shown_in(result.model, name)[0] * nodes.spread(result.fields[name]))
             return
         for number, support in enumerate(result.supports):
             if (area := support.area) is not None and not support.upon:
@@ -139,6 +140,9 @@ class _OfEnvelope:
         return []
 
     def has(self, plate: OfWhole, name: str) -> bool:
+        if name in (checked := utilisations(plate.own.model)):
+            field, check = checked[name]
+            return self.end == 0 and not check.combinations and field in self.envelope.layout.fields
         return bool(self.envelope.pressures) if name == PRESSURE.name else name in self.envelope.layout.fields
 
     def describe(self, plate: OfWhole, name: str) -> dict[str, Any]:
@@ -146,13 +150,19 @@ class _OfEnvelope:
             values = [side for _, one in self.envelope.pressures.values() for side in (one.largest, one.smallest)]
             low, high = min(float(of.min()) for of in values), max(float(of.max()) for of in values)
             return {"range": rounded([min(low, 0.0), max(high, 0.0)]), "ends": [], "discs": [], "width": None}
+        if name in utilisations(plate.own.model):
+            values, rows = self._utilisation(plate, name)
+            at = int(np.nanargmax(values))
+            words = f"{extreme('max', float(values[at]), False, None, float(values[at]))}, {self.label(int(rows[at]))}"
+            place = plate.own.stress_nodes.mesh.points[plate.own.stress_nodes.nodes[at]]
+            return {"range": rounded([0.0, values[at]]), "ends": [[words, *rounded(place)]], "discs": [], "width": None}
         column, width = on_plate(name, plate.name), None
         ends = self.envelope.field(column)
         value, row = (ends.min, ends.min_by) if self.end else (ends.max, ends.max_by)
         told = self.estimates is not None and bool(self.estimates.table)
         if self.estimates is not None and told:
             width = self.estimates.half_width(f"{SIDES[self.end]}:{column}", row)
-        scale, _ = shown_in(PICTURED[name], self.envelope.layout.model.units)
+        scale, _ = _shown_in(self.envelope.layout.model, name)
         width = None if width is None else scale * width
         limits = [scale * ends.min, scale * ends.max]
         words = f"{extreme(SIDES[self.end], scale * value, told, width, max(map(abs, limits)))}, {self.label(row)}"
@@ -161,9 +171,13 @@ class _OfEnvelope:
 
     def layers(self, plate: OfWhole, name: str) -> Iterator[_Layer]:
         nodes = plate.own.stress_nodes
+        if name in utilisations(plate.own.model):
+            values, by = self._utilisation(plate, name)
+            yield _Layer(nodes.spread(values), by=by, key=self.key)
+            return
         if name != PRESSURE.name:
             values, by = self.envelope.on(plate).fields[name].sides[self.end]
-            values = shown_in(PICTURED[name], self.envelope.layout.model.units)[0] * values
+            values = _shown_in(self.envelope.layout.model, name)[0] * values
             yield _Layer(nodes.spread(values), by=by[nodes.nodes] if len(by) < nodes.count else by, key=self.key)
             return
         for kind, (where, extremes) in self.envelope.pressures.items():
@@ -172,15 +186,28 @@ class _OfEnvelope:
             values[where] = getattr(extremes, _ENDS[self.end])
             yield _Layer(nodes.spread(values) if at_nodes else values, at_nodes, (0.0, np.inf))
 
+    def _utilisation(self, plate: OfWhole, name: str) -> tuple[Floats, Ints]:
+        """Largest utilisation (s,) at the stress nodes of a plate, and the rows (s,) that it comes from."""
+        field, check = utilisations(plate.own.model)[name]
+        values, by = self.envelope.on(plate).utilisation(field, check)
+        of_nodes = plate.own.stress_nodes.nodes
+        return (values[of_nodes], by[of_nodes]) if len(by) < len(of_nodes) else (values, by)
+
+
+def _shown_in(model: Model, name: str) -> tuple[float, str]:
+    """Factor and unit in which a report writes a field."""
+    return shown_in(quantity_of(model, name)[0], model.units)
+
 
 def fields_of(model: Model) -> tuple[str, ...]:
-    """Fields of a viewer, most important first: with bars their areas and design moments; rotations and stresses last.
+    """Fields of a viewer, most important first: areas of bars, design moments, deflection, pressure, utilisations.
 
     Von Mises' stress is no stress of concrete.
     """
+    checked = tuple(utilisations(model))
     if model.bars is None:
-        return tuple(PICTURED)
-    first = (*REINFORCEMENT, *DESIGN_MOMENTS, *MAIN)
+        return (*MAIN, *checked, *(name for name in PICTURED if name not in MAIN))
+    first = (*REINFORCEMENT, *DESIGN_MOMENTS, *MAIN, *checked)
     last = ("rotation_x", "rotation_y", "von_mises")
     return (*first, *(name for name in PICTURED if name not in first + last), *last)
 
@@ -223,7 +250,7 @@ def map_data(
     if not states:
         raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
     units, fields = whole.model.units, fields or fields_of(whole.model)
-    main = (*MAIN, *REINFORCEMENT, *DESIGN_MOMENTS) if whole.model.bars else MAIN
+    main = {*MAIN, *utilisations(whole.model), *((*REINFORCEMENT, *DESIGN_MOMENTS) if whole.model.bars else ())}
     plates = [_Plate.of(plate, blobs, columns) for plate in whole.discretisation.members]
     asked = sorted(
         (4 * (state.rank > 1) + 2 * (name not in main) + state.rank % 2, order, row, plate)
@@ -251,7 +278,10 @@ def map_data(
         "title": whole.model.title,
         "length": units.length,
         "plates": [one.header for one in plates],
-        "fields": [{"name": of, "words": PICTURED[of].words, "unit": shown_in(PICTURED[of], units)[1]} for of in kept],
+        "fields": [
+            {"name": of, "words": quantity_of(whole.model, of)[0].words, "unit": _shown_in(whole.model, of)[1]}
+            for of in kept
+        ],
         "states": [
             state.about
             | {
@@ -275,7 +305,8 @@ def map_data(
 
 def _largest(state: _State, plate: OfWhole, name: str) -> float:
     """Largest magnitude in a state of the fields of one kind; values within its rounding are zero."""
-    alike = (one for one in FIELDS if PICTURED[one].kind == PICTURED[name].kind and state.has(plate, one))
+    kind = quantity_of(plate.own.model, name)[0].kind
+    alike = (one for one in FIELDS if PICTURED[one].kind == kind and state.has(plate, one))
     values = (layer.values for one in {*alike, name} for layer in state.layers(plate, one))
     return max(float(np.abs(of[np.isfinite(of)]).max(initial=0.0)) for of in values)
 
