@@ -504,6 +504,5 @@ def test_utilisations_of_checked_fields_have_maps() -> None:
     results = signorini.solve(with_combinations(3, check=[check]))
     states = map_data(results).header["states"]
     assert [one["kind"] for one in states if "utilisation:stress" in one["plates"][0]["fields"]].count("largest") == 1
-    (checked,) = signorini.check_results(results)
     about = states[0]["plates"][0]["fields"]["utilisation:stress"]
-    assert about["range"][1] == pytest.approx(checked.utilisation, rel=1e-6)
+    assert about["range"][1] == pytest.approx(results.envelope.field("von_mises").max / 1e6, rel=1e-5)

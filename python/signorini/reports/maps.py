@@ -151,11 +151,13 @@ class _OfEnvelope:
             low, high = min(float(of.min()) for of in values), max(float(of.max()) for of in values)
             return {"range": rounded([min(low, 0.0), max(high, 0.0)]), "ends": [], "discs": [], "width": None}
         if name in utilisations(plate.own.model):
-            values, rows = self._utilisation(plate, name)
-            at = int(np.nanargmax(values))
-            words = f"{extreme('max', float(values[at]), False, None, float(values[at]))}, {self.label(int(rows[at]))}"
-            place = plate.own.stress_nodes.mesh.points[plate.own.stress_nodes.nodes[at]]
-            return {"range": rounded([0.0, values[at]]), "ends": [[words, *rounded(place)]], "discs": [], "width": None}
+            field, check = utilisations(plate.own.model)[name]
+            ends = self.envelope.field(on_plate(field, plate.name))
+            used = check.used(np.array([ends.max, ends.min]))
+            side = int(used.argmax())
+            words = f"{extreme('max', used[side], False, None)}, {self.label((ends.max_by, ends.min_by)[side])}"
+            place = rounded(self.envelope.places_of(on_plate(field, plate.name))[side])
+            return {"range": rounded([0.0, used[side]]), "ends": [[words, *place]], "discs": [], "width": None}
         column, width = on_plate(name, plate.name), None
         ends = self.envelope.field(column)
         value, row = (ends.min, ends.min_by) if self.end else (ends.max, ends.max_by)

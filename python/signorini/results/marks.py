@@ -558,4 +558,5 @@ def _ends(field: str, result: ResultState) -> FieldExtremes:
         return result.extremes[field]
     nodes, measured = result.stress_nodes, quantity_of(result.model, field)[1]
     singular = result.singular if measured.name in PEAKING else ()
-    return FieldExtremes.of(result.fields[field], nodes, away_from(nodes.mesh, singular, measured.singular))
+    away = away_from(nodes.mesh, singular, measured.singular)
+    return FieldExtremes.of(result.fields[field], nodes, away, singular, measured.singular)
