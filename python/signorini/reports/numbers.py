@@ -354,20 +354,12 @@ def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
 def cuts(of: Contents) -> Iterator[Block]:
     """Yield sections, strips, reactions along walls, and the diagrams of profiles, strips and walls."""
     write = of.write
-    sections, strips, walls = [], [], []
-    means = in_model(of.results.model, MEANS)
+    sections, walls = [], []
     for one in solved(of.values):
         name, told = Cell(of.short(one["name"])), one["plus_minus"]
         for index, cut in enumerate(one["sections"]):
             cells = (write.number(cut[each.name], _width(told, "sections", index, each.name)) for each in THROUGH)
             sections.append([name, Cell(cut["name"]), write.number(cut["length"]), *cells])
-        for index, strip in enumerate(one["strips"]):
-            for number, station in enumerate(strip["stations"]):
-                keys = ("strips", index, "stations", number)
-                values = ((each, found(station, *each.path), _width(told, *keys, *each.path)) for each in means)
-                cells = (write.value(*one) for one in values)
-                at = [write.place(station["at"]), write.number(station["width"])]
-                strips.append([name, Cell(strip["name"]), *at, *cells])
         for index in range(len(of.results.model.support)):
             if (wall := _supports(of, one, index)).get("max_per_length") is not None:
                 owner = of.place_of(index)
@@ -379,11 +371,36 @@ def cuts(of: Contents) -> Iterator[Block]:
     own: Sequence[Quantity] = THROUGH
     head = [write("combination"), write("section")]
     yield Table(write("sections"), [*head, write.titled("length", "deflection"), *map(write.label, own)], sections)
-    head = [write("combination"), write("strip"), write("place"), write.titled("width", "deflection")]
-    yield Table(write("strips"), [*head, *map(write.label, means)], strips)
+    yield from _strips(of)
     head = [write("combination"), write("support"), *map(write.label, OF_LINES)]
     yield Table(write("walls"), [*head, write.titled("corners", "reaction")], walls)
     yield from diagrams(of)
+
+
+def _strips(of: Contents) -> Iterator[Block]:
+    """Yield the extremes of the means over strips at every station, each with its combination."""
+    write, envelope, ends = of.write, of.results.envelope, []
+    for each in in_model(of.results.model, MEANS):
+        bars = each.path[-1] if len(each.path) > 1 else ""
+        sides = SIDES if not bars else ("min",) if each.name == "moment_top" else ("max",)
+        ends += [(each, side) for side in sides]
+    places = {(one.owner, one.part, one.what): one for one in envelope.layout.catalogue if one.home == "station"}
+    rows = []
+    first = next(solved(of.values), None)
+    for index, strip in enumerate(() if first is None else first["strips"]):
+        for number, station in enumerate(strip["stations"]):
+            cells = [Cell(strip["name"]), write.place(station["at"]), write.number(station["width"])]
+            for each, side in ends:
+                column = places[index, number, each.name].column
+                end = envelope[column]
+                value, row = (end.max, end.max_by) if side == "max" else (end.min, end.min_by)
+                width = ... if of.estimates is None else of.estimates.half_width(column, row)
+                cell = write.value(each, value, width)
+                cells.append(Cell(f"{cell.text} ({of.short(of.results.key(row))})", cell.value))
+            rows.append(cells)
+    head = [write("strip"), write("place"), write.titled("width", "deflection")]
+    titles = (f"{write(side)} {write.label(each)}" for each, side in ends)
+    yield Table(write("strips"), [*head, *titles], rows)
 
 
 def load_path(of: Contents) -> Iterator[Block]:
