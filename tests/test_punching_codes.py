@@ -142,7 +142,7 @@ def test_long_opening_counts_with_the_width_of_figure_6_14() -> None:
 
 def test_opening_around_the_column_is_refused() -> None:
     ring = shapely.box(-900, -900, 900, 900).difference(shapely.box(-300, -901, 300, 600))
-    with pytest.raises(InputError, match="surrounds"):
+    with pytest.raises(InputError, match="straight"):
         _ = eurocode(rectangle(0.0, (400.0, 400.0)), WIDE.difference(ring)).basic
 
 
@@ -176,7 +176,7 @@ def test_footing_is_governed_by_the_worst_perimeter() -> None:
 def test_footing_is_checked_with_and_without_its_edges() -> None:
     one = eurocode(rectangle(0.0, (400.0, 400.0)), shapely.box(-1e3, -1e3, 1e3, 1e3), on_foundation=True)
     at_2d = [perimeter for perimeter in one.perimeters if perimeter.distance == 2 * D]
-    assert [len(perimeter.normals) > 0 for perimeter in at_2d] == [False, True]
+    assert {len(perimeter.normals) for perimeter in at_2d} == {0, 1, 2}
 
 
 def critical(column: Column, slab: shapely.Polygon = WIDE) -> aci318.Punching:

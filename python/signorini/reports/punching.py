@@ -80,19 +80,20 @@ class Punched:
     @cached_property
     def outer(self) -> list[Floats]:
         """Points (k, 2) along the parts of the outer perimeter; none unless shear reinforcement is required."""
-        plan, wanted = self.of.column.check.plan, self.of.numbers["uout"] * self.of.column.length
-        low = high = self.of.column.check.basic.distance
+        check, wanted = self.of.column.check, self.of.numbers["uout"] * self.of.column.length
+        plan, low, normals = check.plan, check.basic.distance, check.perimeters[self.at].normals
+        high = low
         if not self.of.numbers["asw"] > 0.0:
             return []
         try:
-            while plan.perimeter(high).pieces.length < wanted:
+            while plan.perimeter(high, normals).pieces.length < wanted:
                 low, high = high, _STEP * high
             for _ in range(_DIVISIONS):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if plan.perimeter(middle).pieces.length < wanted else (low, middle)
+                low, high = (middle, high) if plan.perimeter(middle, normals).pieces.length < wanted else (low, middle)
         except InputError:  # the perimeter is beyond the slab
             return []
-        return self.of.column.drawn(plan.perimeter(high).pieces)
+        return self.of.column.drawn(plan.perimeter(high, normals).pieces)
 
     @cached_property
     def lines(self) -> Mapping[str, list[Floats]]:
@@ -148,7 +149,7 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
         yield row(symbol, "ratio", rho, 0, 0, given)
     for symbol, strength in zip(("fck", "fyk") if eurocode else ("f'c", "fyt"), (check.fck, check.fyk), strict=True):
         yield row(symbol, "strength", strength, 1, -2, given)
-    helping = [row(*each) for each in (_eurocode(one, check) if eurocode else _aci(check))]
+    helping = [row(*each) for each in (_eurocode(one, check) if eurocode else _aci(one, check))]
     for quantity in OF_COLUMNS:
         if quantity.name == "beta":
             yield from helping
@@ -199,9 +200,9 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
     yield "fywd,ef", "effective", effective, 1, -2, "= 250 + 0.25 d ≤ fyk/1.15 in MPa and mm; 6.4.5(1)"
 
 
-def _aci(check: aci318.Punching) -> _Help:
-    pieces, normals, column = check.basic.pieces, check.basic.normals, check.plan.column
-    axis = normals[0] if normals else column.axis
+def _aci(one: Punched, check: aci318.Punching) -> _Help:
+    (_, pieces, _, normals), column = check.perimeters[one.at], check.plan.column
+    axis = normals[0] if normals else pieces.principal if len(column.corners) == 1 else column.axis
     for number, direction in ((1, axis), (2, 1j * axis)) if check.given is None else ():
         sides = [np.array([side, -side]) for side in (direction, 1j * direction)]
         b1, b2 = (float(pieces.highest(side).sum()) for side in sides)
@@ -213,7 +214,7 @@ def _aci(check: aci318.Punching) -> _Help:
         yield "β", "factor", check.given, 0, 0, ""
     sides = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
     yield "βc", "side_ratio", sides[1] / sides[0], 0, 0, "22.6.5.2"
-    yield "αs", "place_factor", {0: 40.0, 1: 30.0}.get(len(normals), 20.0), 0, 0, "22.6.5.3"
+    yield "αs", "place_factor", aci318.ALPHA_S[len(normals)], 0, 0, "22.6.5.3"
     yield "λs", "size_factor", aci318.size_factor(check.depth), 0, 0, "= √(2/(1 + 0.004 d)) ≤ 1, d in mm; 22.5.5.1.3"
     yield "φ", "safety", aci318.PHI, 0, 0, "Table 21.2.1"
     yield "√f'c", "root", aci318.root_of(check.fck), 1, -2, "in MPa; 22.6.3.1"
