@@ -190,6 +190,8 @@ class Punching:
         for normal in normals:
             low, high = self.plan.column.extent(-normal)
             pieces = pieces.beyond(-normal, high - min(1.5 * self.depth, 0.5 * (high - low)))
+        if not pieces.length > 0.0:
+            raise InputError("Openings beside the column leave no length of u1*. Move the column or the openings.")
         return pieces
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:

@@ -186,6 +186,11 @@ class Column:
         longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
 
+    def distance(self, line: npt.ArrayLike) -> float:
+        """Distance from a line through points (k, 2), at most 0 if they meet."""
+        corners = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull
+        return float(shapely.distance(shapely.LineString(line), corners)) - self.radius
+
     def extent(self, direction: complex) -> tuple[float, float]:
         """Smallest and largest coordinate along a direction."""
         along = _along(np.array(self.corners), direction)
@@ -250,8 +255,7 @@ class Plan:
         slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
         if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
             raise InputError(f"The column's centre {column.centre:g} is not on the plate. Move the column.")
-        corners = shapely.MultiPoint([(p.real, p.imag) for p in column.corners]).convex_hull
-        near = tuple(hole for hole in inner if shapely.distance(hole, corners) - column.radius <= within)
+        near = tuple(hole for hole in inner if column.distance(hole.exterior.coords) <= within)
         return cls(column, slab, near, widened)
 
     def perimeters(self, distance: float, square: bool = False) -> list[Perimeter]:
@@ -324,6 +328,10 @@ class Plan:
             beyond = whole.beyond(
                 normal, float(_along((1.0 - _SLIGHTLY) * begin + _SLIGHTLY * self.column.centre, normal))
             )
+            for corner in (begin, end):
+                if corner != self.column.centre:
+                    across = 1j * (corner - self.column.centre) / abs(corner - self.column.centre)
+                    beyond = beyond.cut(across, float(_along(corner, across)))
             side = shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])
             if shapely.intersects(self._sights(beyond), side).any():
                 return True

@@ -23,7 +23,7 @@ _FORMULAS = {
     "EN 1992-1-1:2004": {
         "beta": "given, or 1 + Σ k u1/W1 · e, e = M/|V − ΔV|; inward of an edge u1/u1* + k* u1/W1,2 · e2",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
-        "v_ed_face": "β · V / (u0 · d)",
+        "v_ed_face": "(V + Σ k u1/W1 · M) / (u0 · d)",
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
         "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
         "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) where vEd > vRd,c, else 0",
