@@ -322,14 +322,16 @@ def test_lengths_agree_with_samples_of_each_perimeter(plan) -> None:
         weights, z = np.concatenate([[b / n] * n for b, n in zip(lengths, counts, strict=True)]), np.concatenate(points)
         near = np.abs(z) < 8e3
         z, weights = z[near], weights[near]
-        start = 1e-6 * z
-        sights = shapely.linestrings(np.stack([[start.real, z.real], [start.imag, z.imag]], axis=-1).swapaxes(0, 1))
+        start, stop = 1e-6 * z, (1 + 1e-6) * z
+        sights = shapely.linestrings(
+            np.stack([[start.real, stop.real], [start.imag, stop.imag]], axis=-1).swapaxes(0, 1)
+        )
         seen = ~np.any([shapely.intersects(sights, side) for side in sides], axis=0)
         for hole in slab.interiors:
             if shapely.distance(hole, shapely.MultiPoint(column_points(column)).convex_hull) <= 6 * D + column.radius:
                 first, last = Plan.of(column, rings(slab), 6 * D, widened=True).sector(shapely.Polygon(hole))
                 seen &= np.angle(z / first) % (2 * np.pi) >= np.angle(last / first) % (2 * np.pi)
-        seen &= shapely.contains_xy(slab, z.real, z.imag)
+        seen &= shapely.contains_xy(slab, stop.real, stop.imag)
         assert one.pieces.length == pytest.approx(weights[seen].sum(), abs=20.0)
 
 

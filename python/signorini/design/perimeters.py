@@ -112,6 +112,16 @@ class Pieces:
         parts = self.cut(direction, level)
         return parts.pick(_along(parts.middles, direction) >= level)
 
+    @property
+    def closed(self) -> Self:
+        """The pieces, in order, with lines between them that close their outline."""
+        begins, ends = self.at(np.array([0.0, 1.0])).T
+        rows = np.column_stack([self.centre, self.along, self.radius, self.begin, self.turn])
+        gaps = np.roll(begins, -1) - ends
+        lines = np.column_stack([ends, gaps, np.zeros((len(gaps), 3))])
+        lines[np.abs(gaps) <= _SAME * np.abs(gaps).max()] = 0.0
+        return self.of([tuple(row) for pair in zip(rows, lines, strict=True) for row in pair])
+
     def outside(self, centre: complex, first: complex, width: float) -> Self:
         """Parts outside the sector around a centre from direction ``first`` over an angle ``width``."""
         parts = self
@@ -267,7 +277,7 @@ class Plan:
         low = {normal: self.column.extent(-normal) for _, normal, *_ in self._edges}
         for gap, normal, begin, end in self._edges:
             single = self.column.extended([normal], _FAR * basic.length).offset(distance, square)
-            shorter = single.beyond(-normal, low[normal][0] - gap).length <= basic.length
+            shorter = single.beyond(-normal, low[normal][0] - gap).length <= (1.0 + _SAME) * basic.length
             straight = _along(np.array([begin, end]), 1j * normal)
             ends = np.array(self.column.extent(1j * normal)) + distance * np.array([-1.0, 1.0])
             across = straight.min() <= ends[0] and ends[1] <= straight.max()
@@ -290,7 +300,11 @@ class Plan:
             across = (normals[0] - normals[1]) / abs(normals[0] - normals[1])
             towards = [across, -across]
         whole = self.column.extended(towards, reach).offset(distance, square)
-        return Perimeter(distance, self._visible(whole), whole, normals)
+        parts = whole
+        for normal in normals:
+            level = -self.column.extent(normal)[1] - self.gap(normal)
+            whole, parts = whole.beyond(-normal, level).closed, parts.beyond(-normal, level)
+        return Perimeter(distance, self._visible(parts), whole, normals)
 
     @kept
     def face(self, normals: tuple[complex, ...]) -> Pieces:
