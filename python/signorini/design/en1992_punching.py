@@ -163,7 +163,7 @@ class Punching:
         for found in self.perimeters:
             pieces, near = found.pieces, self._edges(found)
             is_round = len(column.corners) == 1 and not found.normals
-            axis = found.normals[0] if found.normals else pieces.principal if is_round else column.axis
+            axis = (*near, *found.normals, pieces.principal if is_round else column.axis)[0]
 
             def part(direction: complex, own: Pieces = pieces) -> float:
                 ratio = column.size(direction) / column.size(1j * direction)
