@@ -118,7 +118,7 @@ class Punching:
         every = [found for distance in distances for found in self.plan.perimeters(distance)]
         if not every and not self.on_foundation:
             raise InputError("Free edges leave no control perimeter around the column. Check one-way shear there.")
-        return every or [self.plan.perimeter(0.0, ())]
+        return every or [self.plan.perimeter(0.0, ())._replace(pieces=self.plan.face(()))]
 
     @property
     def basic(self) -> Perimeter:
