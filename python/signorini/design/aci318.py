@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from signorini.design.perimeters import Perimeter, Plan, Positions, numbered
+from signorini.errors import InputError
 from signorini.shapes.arrays import Floats
 
 PHI = 0.75
@@ -26,6 +27,8 @@ CLAUSES = {
     "asw": "ACI 318-19, 22.6.6.1 and 22.6.7.2 (Av/s)",
     "uout": "ACI 318-19, 22.6.6.1 (φ 0.17 λs λ √f'c)",
 }
+ALPHA_S = (40.0, 30.0, 20.0)
+"""αs of interior, edge and corner columns, by the number of edges, 22.6.5.3."""
 _LARGEST_FYT = 420.0
 """Largest fyt in MPa, 20.2.2.4(a)."""
 
@@ -72,41 +75,55 @@ class Punching:
 
     @cached_property
     def perimeters(self) -> Sequence[Perimeter]:
-        """The critical section at d/2, with square corners around a rectangular column, 22.6.4.1."""
-        return [self.plan.perimeter(0.5 * self.depth, square=True)]
+        """Critical sections (p,) at d/2, with square corners around a rectangular column, 22.6.4.1."""
+        if not (every := self.plan.perimeters(0.5 * self.depth, square=True)):
+            raise InputError("Free edges leave no critical section around the column. Check one-way shear there.")
+        return every
 
     @property
     def basic(self) -> Perimeter:
-        """The critical section."""
-        return self.perimeters[0]
+        """The shortest critical section."""
+        return min(self.perimeters, key=lambda one: one.pieces.length)
 
-    def stress(self, force: Floats, moment: Positions) -> Floats:
-        """Stress vu (k,): mean stress plus γv M c/Jc about both axes of the critical section, R8.4.4.2.3."""
-        pieces, normals, column = self.basic.pieces, self.basic.normals, self.plan.column
-        mean, centroid = np.abs(force) / (pieces.length * self.depth), pieces.centroid
+    def stress(self, bo: Perimeter, force: Floats, moment: Positions) -> Floats:
+        """Stress vu (k,), the largest |V/(bo d) ± γv M c/Jc| about both axes of a critical section, R8.4.4.2.3."""
+        pieces, normals, column = bo.pieces, bo.normals, self.plan.column
+        mean, centroid = force / (pieces.length * self.depth), pieces.centroid
         if self.given is not None:
-            return np.asarray(self.given * mean)
-        about = moment * np.sign(force) - np.abs(force) * (centroid - column.centre)
-        gradient, axis = np.zeros(len(force), np.complex128), normals[0] if normals else column.axis
+            return np.asarray(self.given * np.abs(mean))
+        about = moment - force * (centroid - column.centre)
+        round_one = len(column.corners) == 1 and not normals
+        gradient = np.zeros(len(force), np.complex128)
+        axis = normals[0] if normals else pieces.principal if round_one else column.axis
         for direction in (axis, 1j * axis):
             b1, b2 = (pieces.highest(np.array([side, -side])).sum() for side in (direction, 1j * direction))
             share = shear_part(b1, b2) / pieces.inertia(direction, self.depth)
             gradient += share * (about * np.conj(direction)).real * direction
-        return np.asarray(mean + pieces.highest(gradient) - (np.conj(gradient) * centroid).real)
+        middle = mean - (np.conj(gradient) * centroid).real
+        return np.asarray(np.maximum(pieces.highest(gradient) + middle, pieces.highest(-gradient) - middle))
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside bo (k, 1).
+        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside critical sections (k, p).
 
-        The utilisation is vu/(φ vc), without shear reinforcement. αs is 40, 30 at an edge, 20 at a corner, 22.6.5.3.
+        They are those of the section with the largest vu/(φ vc), which is the utilisation without shear reinforcement.
+        αs is 40, 30 at an edge, 20 at a corner, 22.6.5.3.
         """
-        column, depth, (bo, normals) = self.plan.column, self.depth, (self.basic.pieces.length, self.basic.normals)
-        sides, net = sorted(column.size(axis) for axis in (column.axis, 1j * column.axis)), force - inside[:, 0]
-        alpha_s = {0: 40.0, 1: 30.0}.get(len(normals), 20.0)
-        v_u, mean = self.stress(net, moment), np.abs(net) / (bo * depth)
-        v_c = PHI * concrete_resistance(self.fck, depth, bo, sides[1] / sides[0], alpha_s)
-        reduced, face = PHI * 0.17 * size_factor(depth) * root_of(self.fck), self.plan.face(normals)
+        column, depth, net = self.plan.column, self.depth, force[:, None] - inside
+        sides = sorted(column.size(axis) for axis in (column.axis, 1j * column.axis))
+        lengths = np.array([one.pieces.length for one in self.perimeters])
+        resistance = np.array(
+            [
+                PHI * concrete_resistance(self.fck, depth, bo, sides[1] / sides[0], ALPHA_S[len(one.normals)])
+                for one, bo in zip(self.perimeters, lengths, strict=True)
+            ]
+        )
+        stress = np.column_stack([self.stress(one, net[:, i], moment) for i, one in enumerate(self.perimeters)])
+        rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
+        v_u, v_c, bo, mean = stress[rows, worst], resistance[worst], lengths[worst], np.abs(net[rows, worst])
+        reduced = PHI * 0.17 * size_factor(depth) * root_of(self.fck)
+        face = min(self.plan.face(one.normals).length for one in self.perimeters)
         links = np.where(v_u > v_c, (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT)), 0.0)
-        beta = np.divide(v_u, mean, out=np.ones(len(force)), where=mean > 0.0)
+        beta = v_u * bo * depth / np.where(mean > 0.0, mean, np.nan)
         at_face, most = np.abs(force) / (face * depth), PHI * 0.5 * root_of(self.fck)
-        lengths, forces = (face, bo, np.where(links > 0.0, v_u * bo / reduced, np.nan)), (force, inside[:, 0])
-        return numbered(*lengths, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, v_u / most, links)
+        outer, forces = np.where(links > 0.0, v_u * bo / reduced, np.nan), (force, inside[rows, worst])
+        return numbered(face, bo, outer, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, v_u / most, links)

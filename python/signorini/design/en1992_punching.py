@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions, numbered
+from signorini.errors import InputError
 from signorini.shapes.arrays import Bools, Floats
 
 GAMMA_C, GAMMA_S = 1.5, 1.15
@@ -78,6 +79,7 @@ class _Shapes(NamedTuple):
     uniform: Floats  # u1/u1*
     beside: Floats  # k u1/W1 of Eq. (6.44), 0 at a corner
     normals: Positions  # (p, 2): normals of near edges, 0 for none
+    outward: Floats  # (p, 2): k u1/W1 of an eccentricity towards each of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,44 +109,51 @@ class Punching:
 
     @cached_property
     def perimeters(self) -> Sequence[Perimeter]:
-        """Control perimeters (p,): that at 2d, 6.4.2(1); on a foundation several at a ≤ 2d, 6.4.4(2).
+        """Control perimeters (p,): those at 2d, 6.4.2(1); on a foundation those at several a ≤ 2d, 6.4.4(2).
 
-        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So the longer
-        perimeter, which does not run straight to edges, is checked too, except around a column at an edge of a slab.
+        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So all valid ones
+        are checked. On a pad too small for any, only the stress at the column's face is checked.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
-        to_edges = [self.plan.perimeter(distance) for distance in distances]
-        longer = [found for found in to_edges if found.normals and (self.on_foundation or not self._edges(found))]
-        return [*(self.plan.perimeter(found.distance, to_edges=False) for found in longer), *to_edges]
+        every = [found for distance in distances for found in self.plan.perimeters(distance)]
+        if not every and not self.on_foundation:
+            raise InputError("Free edges leave no control perimeter around the column. Check one-way shear there.")
+        return every or [self.plan.perimeter(0.0, ())._replace(pieces=self.plan.face(()))]
 
     @property
     def basic(self) -> Perimeter:
-        """The basic control perimeter at 2d."""
-        return self.perimeters[-1]
+        """The shortest control perimeter at the largest distance, 2d except on small pads."""
+        largest = self.perimeters[-1].distance
+        return min((one for one in self.perimeters if one.distance == largest), key=lambda one: one.pieces.length)
 
     @cached_property
     def face_length(self) -> float:
         """u0 by 6.4.5(3): the column's outline, at an edge at most c2 + 3d, at a corner at most 3d."""
-        normals = self._edges(self.basic)
-        most = [np.inf, self.plan.column.size(1j * normals[0]) if normals else 0.0, 0.0][len(normals)]
-        return min(self.plan.face(normals), most + 3.0 * self.depth)
+        lengths = []
+        for normals in map(self._edges, self.perimeters):
+            most = [np.inf, self.plan.column.size(1j * normals[0]) if normals else 0.0, 0.0][len(normals)]
+            lengths.append(min(self.plan.face(normals).length, most + 3.0 * self.depth))
+        return min(lengths)
 
-    def beta(self, force: Floats, moment: Positions) -> Floats:
-        """β (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
+    def mean_times_beta(self, force: Floats, moment: Positions) -> Floats:
+        """β |V| (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
 
-        Contributions of both axes are added; those of a circular column, as vectors. At a free edge, Eq. (6.44) and
-        (6.46) with u1* hold for an eccentricity inward; outward, the larger one of these and of Eq. (6.39) is taken.
+        Contributions of both axes are added; those of a circular column, as vectors. At a free edge |V| u1/u1* of
+        Eq. (6.44) and (6.46) is for an eccentricity inward. For one outward the part of Eq. (6.39) is taken if it is
+        larger. The part of an eccentricity along the edge is added to both.
         """
+        size = np.abs(force)
         if self.given is not None:
-            return np.full(force.shape, self.given)
-        of = self.shapes
-        eccentric = moment[:, None] / np.where(force != 0.0, force, np.inf)
-        across, along = np.abs((eccentric * of.axis.conj()).real), np.abs((eccentric * of.axis.conj()).imag)
+            return self.given * size
+        of, about = self.shapes, moment[:, None]
+        across, along = np.abs((about * of.axis.conj()).real), np.abs((about * of.axis.conj()).imag)
         both = of.across * across, of.along * along
-        result = 1.0 + np.where(of.round, np.hypot(*both), sum(both))
-        uniform = of.uniform + of.beside * along
-        inward = ((eccentric[..., None] * of.normals.conj()).real <= 0.0).all(axis=-1)
-        at_edge = np.where(inward, uniform, np.maximum(uniform, result))
+        result = size + np.where(of.round, np.hypot(*both), sum(both))
+        towards = (about[..., None] * of.normals.conj()).real
+        outward = np.where(
+            force[..., None] == 0.0, np.abs(towards), np.maximum(towards * np.sign(force)[..., None], 0.0)
+        )
+        at_edge = np.maximum(size * of.uniform, size + (of.outward * outward).sum(axis=-1)) + of.beside * along
         return np.where((of.normals != 0.0).any(axis=-1), at_edge, result)
 
     @cached_property
@@ -153,16 +162,19 @@ class Punching:
         column, every = self.plan.column, []
         for found in self.perimeters:
             pieces, near = found.pieces, self._edges(found)
-            axis = found.normals[0] if found.normals else column.axis
-            ratio = column.size(axis) / column.size(1j * axis)
-            per_moment = [pieces.length / pieces.modulus(direction) for direction in (axis, 1j * axis)]
-            uniform = pieces.length / self._reduced(pieces, near).length
-            beside = moment_part(0.5 * ratio) * per_moment[1] if len(near) == 1 else 0.0
-            parts = moment_part(ratio) * per_moment[0], moment_part(1.0 / ratio) * per_moment[1]
             is_round = len(column.corners) == 1 and not found.normals
-            every.append(
-                (pieces.length, found.distance, axis, *parts, is_round, uniform, beside, [*near, 0.0, 0.0][:2])
-            )
+            axis = (*near, *found.normals, pieces.principal if is_round else column.axis)[0]
+
+            def part(direction: complex, own: Pieces = pieces) -> float:
+                ratio = column.size(direction) / column.size(1j * direction)
+                return moment_part(ratio) * own.length / own.modulus(direction)
+
+            ratio = column.size(axis) / column.size(1j * axis)
+            uniform = pieces.length / self._reduced(pieces, near).length
+            beside = moment_part(0.5 * ratio) * pieces.length / pieces.modulus(1j * axis) if len(near) == 1 else 0.0
+            edges = [*near, 0.0, 0.0][:2], [*map(part, near), 0.0, 0.0][:2]
+            shape = pieces.length, found.distance, axis, part(axis), part(1j * axis), is_round, uniform, beside
+            every.append((*shape, *edges))
         return _Shapes(*map(np.array, zip(*every, strict=True)))
 
     def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
@@ -178,6 +190,8 @@ class Punching:
         for normal in normals:
             low, high = self.plan.column.extent(-normal)
             pieces = pieces.beyond(-normal, high - min(1.5 * self.depth, 0.5 * (high - low)))
+        if not pieces.length > 0.0:
+            raise InputError("Openings beside the column leave no length of u1*. Move the column or the openings.")
         return pieces
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
@@ -189,15 +203,18 @@ class Punching:
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
         of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)
-        beta = self.beta(net, moment)
-        stress, resistance = beta * np.abs(net) / (of.length * self.depth), own * 2.0 * self.depth / of.distance
-        rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
-        v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
-        at_face = beta * np.abs(force) / (self.face_length * self.depth)
+        by_net = self.mean_times_beta(net, moment)
+        stress = by_net / (of.length * self.depth)
+        resistance = own * 2.0 * self.depth / np.where(of.distance > 0.0, of.distance, np.nan)
+        rows, worst = np.arange(len(force)), np.argmax(np.nan_to_num(stress / resistance), axis=1)
+        v_ed, v_rd_c, u1, beyond = stress[rows, worst], resistance[worst], of.length[worst], np.abs(net[rows, worst])
+        largest = of.distance == of.distance.max()
+        by_force = self.mean_times_beta(np.broadcast_to(force[:, None], net.shape), moment)
+        at_face = by_force[:, largest].max(axis=1) / (self.face_length * self.depth)
+        beta = by_net[rows, worst] / np.where(beyond > 0.0, beyond, np.nan)
         links = reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
         most_with, most_at_face = v_ed / (MOST_WITH_LINKS * v_rd_c), at_face / most
-        ratios = np.maximum(v_ed / v_rd_c, most_at_face), np.maximum(most_with, most_at_face)
-        beyond = np.abs(force) if self.on_foundation else np.abs(net[rows, worst])
-        outer = np.where(links > 0.0, beta * beyond / (own * self.depth), np.nan)
-        lengths, forces = (self.face_length, u1, outer), (force, inside[rows, worst])
+        ratios = np.fmax(v_ed / v_rd_c, most_at_face), np.fmax(most_with, most_at_face)
+        outer = by_force[rows, worst] / (own * self.depth) if self.on_foundation else v_ed * u1 / own
+        lengths, forces = (self.face_length, u1, np.where(links > 0.0, outer, np.nan)), (force, inside[rows, worst])
         return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, *ratios, links)

@@ -30,8 +30,12 @@ _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
 """Smallest angle in radians between normals of two edges at a corner, or between one and the opposite of the other."""
-_CORNER = 2
-"""Number of free edges at a corner, the largest number at which a perimeter ends."""
+_MOST_EDGES = 2
+"""Largest number of free edges at which a perimeter ends; three leave one straight line, with one-way shear."""
+_FAR = 4.0
+"""How far perimeters to edges are drawn beyond the column, relative to the closed perimeter."""
+_SLIGHTLY = 1e-6
+"""Part of a line of sight that is left out at the column's centre and added at the perimeter."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -108,31 +112,41 @@ class Pieces:
         parts = self.cut(direction, level)
         return parts.pick(_along(parts.middles, direction) >= level)
 
-    def within(self, polygon: shapely.Polygon) -> Self:
-        """Parts in a polygon."""
-        parts, middle = self, self.centroid
-        reach = np.abs(self.at(np.linspace(0.0, 1.0, 5)) - middle).max() + self.lengths.max()
-        for begin, end in _sides(polygon):
-            side = shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])
-            if shapely.distance(side, shapely.Point(middle.real, middle.imag)) <= reach:
-                normal = -1j * (end - begin) / abs(end - begin)
-                parts = parts.cut(normal, float(_along(begin, normal)))
-        return parts.pick(shapely.contains_xy(polygon, parts.middles.real, parts.middles.imag))
+    @property
+    def closed(self) -> Self:
+        """The pieces, in order, with lines between them that close their outline."""
+        begins, ends = self.at(np.array([0.0, 1.0])).T
+        rows = np.column_stack([self.centre, self.along, self.radius, self.begin, self.turn])
+        gaps = np.roll(begins, -1) - ends
+        lines = np.column_stack([ends, gaps, np.zeros((len(gaps), 3))])
+        lines[np.abs(gaps) <= _SAME * np.abs(gaps).max()] = 0.0
+        return self.of([tuple(row) for pair in zip(rows, lines, strict=True) for row in pair])
 
-    def outside(self, centre: complex, first: complex, last: complex) -> Self:
-        """Parts outside the sector from direction ``first`` to ``last``, less than half a turn, around a centre."""
+    def outside(self, centre: complex, first: complex, width: float) -> Self:
+        """Parts outside the sector around a centre from direction ``first`` over an angle ``width``."""
         parts = self
-        for ray in (1j * first, 1j * last):
+        for ray in (1j * first, 1j * first * np.exp(1j * width)):
             parts = parts.cut(ray, float(_along(centre, ray)))
-        offset = parts.middles - centre
-        return parts.pick((_along(offset, 1j * first) <= 0.0) | (_along(offset, 1j * last) >= 0.0))
+        return parts.pick(np.angle((parts.middles - centre) / first) % (2.0 * np.pi) >= width)
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether all normals of the pieces are nearly alike."""
+        begins = np.where(self.radius > 0.0, np.exp(1j * self.begin), -1j * self.along)
+        normals = np.concatenate([begins, begins * np.exp(1j * self.turn)])
+        return bool((np.abs(np.angle(normals[:, None] / normals)) <= _ALIKE).all())
 
     def modulus(self, direction: complex) -> float:
-        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid; ≈ 0 on a line."""
+        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid."""
         level = float(_along(self.centroid, direction))
         nodes, weights = self.cut(direction, level).gauss
-        size = (weights * np.abs(_along(nodes, direction) - level)).sum()
-        return max(float(size), _SAME * self.length**2)
+        return float((weights * np.abs(_along(nodes, direction) - level)).sum())
+
+    @property
+    def principal(self) -> complex:
+        """Direction of the largest ∫ e² dl of distances e from the centroid."""
+        nodes, weights = self.gauss
+        return complex(np.exp(0.5j * np.angle((weights * (nodes - self.centroid) ** 2).sum())))
 
     @kept
     def inertia(self, direction: complex, depth: float) -> float:
@@ -181,6 +195,11 @@ class Column:
         ahead = np.roll(self.corners, -1) - self.corners
         longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
+
+    def distance(self, line: npt.ArrayLike) -> float:
+        """Distance from a line through points (k, 2), at most 0 if they meet."""
+        corners = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull
+        return float(shapely.distance(shapely.LineString(line), corners)) - self.radius
 
     def extent(self, direction: complex) -> tuple[float, float]:
         """Smallest and largest coordinate along a direction."""
@@ -246,67 +265,131 @@ class Plan:
         slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
         if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
             raise InputError(f"The column's centre {column.centre:g} is not on the plate. Move the column.")
-        corners = shapely.MultiPoint([(p.real, p.imag) for p in column.corners]).convex_hull
-        near = tuple(hole for hole in inner if shapely.distance(hole, corners) - column.radius <= within)
+        near = tuple(hole for hole in inner if column.distance(hole.exterior.coords) <= within)
         return cls(column, slab, near, widened)
 
-    def perimeter(self, distance: float, square: bool = False, to_edges: bool = True) -> Perimeter:
-        """The shortest perimeter at a distance, free edges excluded, without the parts behind openings.
+    def perimeters(self, distance: float, square: bool = False) -> list[Perimeter]:
+        """All valid perimeters at a distance: closed, or to one or two free edges, also opposite ones.
 
-        With ``to_edges`` it may run straight to free edges.
+        A perimeter is valid if no free edge cuts it except those at which it ends.
         """
-        basic = self.column.offset(distance, square)
-        normals, best, shortest = list[complex](), Perimeter(distance, basic, basic, ()), np.inf
-        for gap, normal in self._edges if to_edges else ():
-            apart = all(_ALIKE < abs(np.angle(normal / other)) < np.pi - _ALIKE for other in normals)
-            if gap <= 0.5 * basic.length and len(normals) < _CORNER and apart:
-                normals.append(normal)
-        for some in (some for count in range(len(normals) + 1) for some in combinations(normals, count)):
-            whole = self.column.extended(some, basic.length).offset(distance, square)
-            pieces = whole.within(self.slab)
-            # A column flush with an edge has equal perimeters with and without the edge.
-            if 0.0 < pieces.length <= (1.0 + _SAME) * shortest:
-                best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
-        return best._replace(pieces=self._unshaded(best.pieces))
+        basic, near = self.column.offset(distance, square), list[tuple[complex, complex, complex]]()
+        low = {normal: self.column.extent(-normal) for _, normal, *_ in self._edges}
+        for gap, normal, begin, end in self._edges:
+            single = self.column.extended([normal], _FAR * basic.length).offset(distance, square)
+            shorter = single.beyond(-normal, low[normal][0] - gap).length <= (1.0 + _SAME) * basic.length
+            straight = _along(np.array([begin, end]), 1j * normal)
+            ends = np.array(self.column.extent(1j * normal)) + distance * np.array([-1.0, 1.0])
+            across = straight.min() <= ends[0] and ends[1] <= straight.max()
+            apart = all(abs(np.angle(normal / other)) > _ALIKE for other, *_ in near)
+            if shorter and apart and (across or self._is_outer(begin, normal)):
+                near.append((normal, begin, end))
+        every = list[Perimeter]()
+        for some in (some for count in range(_MOST_EDGES + 1) for some in combinations(near, count)):
+            normals = tuple(normal for normal, *_ in some)
+            found = self.perimeter(distance, normals, square)
+            others = [edge[1:] for edge in near if edge not in some]
+            if found.pieces.length > 0.0 and not self._cut(found.whole, others):
+                every.append(found._replace(pieces=self._unshaded(found.pieces)))
+        return every
+
+    def perimeter(self, distance: float, normals: tuple[complex, ...], square: bool = False) -> Perimeter:
+        """The perimeter at a distance to some free edges: its parts that are visible from the column's centre."""
+        towards, reach = list(normals), _FAR * self.column.offset(distance, square).length
+        if len(normals) == _MOST_EDGES and abs(np.angle(-normals[0] / normals[1])) <= _ALIKE:
+            across = (normals[0] - normals[1]) / abs(normals[0] - normals[1])
+            towards = [across, -across]
+        whole = self.column.extended(towards, reach).offset(distance, square)
+        parts = whole
+        for normal in normals:
+            level = -self.column.extent(normal)[1] - self.gap(normal)
+            whole, parts = whole.beyond(-normal, level).closed, parts.beyond(-normal, level)
+        return Perimeter(distance, self._visible(parts), whole, normals)
 
     @kept
-    def face(self, normals: tuple[complex, ...]) -> float:
-        """Length of the column's outline; towards free edges it is straight, up to the column's outermost point."""
-        pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0).within(self.slab)
+    def face(self, normals: tuple[complex, ...]) -> Pieces:
+        """The column's outline; towards free edges it is straight, up to the column's outermost point."""
+        pieces = self.perimeter(0.0, normals).pieces
         for normal in normals:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
-        return self._unshaded(pieces).length
+        return self._unshaded(pieces)
 
     def gap(self, normal: complex) -> float:
         """Distance of the column from the free edge with an outward normal; infinite without such an edge."""
-        return min((gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
+        return min((gap for gap, edge, *_ in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
+
+    def _visible(self, pieces: Pieces) -> Pieces:
+        """Parts in the slab, without those behind a hole or a pocket of its outline, seen from the column's centre."""
+        centre, parts = self.column.centre, pieces
+        reach = shapely.Point(centre.real, centre.imag).buffer(2.0 * pieces.length / _FAR)
+        for begin, end in _sides(self.slab):
+            if shapely.intersects(reach, shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])):
+                for to in (end, centre) if begin != centre else (end,):
+                    normal = -1j * (to - begin) / abs(to - begin)
+                    parts = parts.cut(normal, float(_along(begin, normal)))
+        return parts.pick(shapely.covers(self.slab, self._sights(parts)))
+
+    def _sights(self, parts: Pieces) -> npt.NDArray[np.object_]:
+        """Lines (m,) from the column's centre to the middles of parts."""
+        along = parts.middles - self.column.centre
+        ends = self.column.centre + along * np.array([[_SLIGHTLY], [1.0 + _SLIGHTLY]])
+        return np.asarray(shapely.linestrings(np.stack([ends.real, ends.imag], axis=-1).swapaxes(0, 1)))
+
+    def _cut(self, whole: Pieces, edges: Sequence[tuple[complex, complex]]) -> bool:
+        """Whether free edges cut a closed line."""
+        for begin, end in edges:
+            normal = -1j * (end - begin) / abs(end - begin)
+            beyond = whole.beyond(
+                normal, float(_along((1.0 - _SLIGHTLY) * begin + _SLIGHTLY * self.column.centre, normal))
+            )
+            for corner in (begin, end):
+                if corner != self.column.centre:
+                    across = 1j * (corner - self.column.centre) / abs(corner - self.column.centre)
+                    beyond = beyond.cut(across, float(_along(corner, across)))
+            side = shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])
+            if shapely.intersects(self._sights(beyond), side).any():
+                return True
+        return False
+
+    def _is_outer(self, begin: complex, normal: complex) -> bool:
+        """Whether the whole slab is on one side of the line through a point with an outward normal."""
+        corners = shapely.get_coordinates(self.slab.exterior) @ [1.0, 1j] - begin
+        return bool((_along(corners, normal) <= _SLIGHTLY * np.abs(corners).max()).all())
 
     def _unshaded(self, pieces: Pieces) -> Pieces:
         """Parts outside the sectors between tangents from the column's centre to openings."""
         for opening in self.openings:
-            pieces = pieces.outside(self.column.centre, *self.sector(opening))
+            first, _, width = self._tangents(opening)
+            pieces = pieces.outside(self.column.centre, first, width)
         if not pieces.length > 0.0:
             raise InputError("Openings around the column leave no control perimeter. Move the column or the openings.")
+        if pieces.is_straight:
+            raise InputError("The control perimeter that is left is nearly straight. Check one-way shear there.")
         return pieces
 
     def sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
         """Directions of the two tangents to an opening."""
-        corners = shapely.get_coordinates(opening.convex_hull)[:-1] @ [1.0, 1j] - self.column.centre
-        middle = complex(opening.centroid.x, opening.centroid.y) - self.column.centre
-        seen = corners * np.conj(middle) / abs(middle)
-        angles = np.angle(seen)
-        if np.ptp(angles) >= np.pi * (1.0 - _SAME):
+        return self._tangents(opening)[:2]
+
+    def _tangents(self, opening: shapely.Polygon) -> tuple[complex, complex, float]:
+        """Directions of the two tangents to an opening, and the angle between them."""
+        corners = shapely.get_coordinates(opening.exterior) @ [1.0, 1j] - self.column.centre
+        turned = np.unwrap(np.angle(corners))
+        if abs(turned[-1] - turned[0]) > np.pi:
             raise InputError("An opening surrounds the column's centre. Move the column or the opening.")
-        # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
-        wider = np.sqrt(max(np.ptp(seen.real) / np.ptp(seen.imag), 1.0)) if self.widened else 1.0
-        ends = np.array([angles.min(), angles.max()])
-        ends = np.where(np.abs(ends) < 0.5 * np.pi, np.arctan(wider * np.tan(ends)), ends)
-        first, last = middle / abs(middle) * np.exp(1j * ends)
-        return complex(first), complex(last)
+        middle = 0.5 * (turned.min() + turned.max())
+        seen = corners * np.exp(-1j * middle)
+        ends = np.array([turned.min(), turned.max()]) - middle
+        if self.widened and ends[1] < 0.5 * np.pi:
+            # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
+            wider = np.sqrt(max(np.ptp(seen.real) / np.ptp(seen.imag), 1.0))
+            ends = np.arctan(wider * np.tan(ends))
+        first, last = np.exp(1j * (middle + ends))
+        return complex(first), complex(last), float(np.ptp(ends))
 
     @cached_property
-    def _edges(self) -> list[tuple[float, complex]]:
-        """Distances of the column from sides of the slab that face its centre, with the sides' outward normals."""
+    def _edges(self) -> list[tuple[float, complex, complex, complex]]:
+        """Sides of the slab that face the column's centre: distance of the column, outward normal, begin and end."""
         found = []
         for begin, end in _sides(self.slab):
             length = abs(end - begin)
@@ -314,7 +397,7 @@ class Plan:
             normal = complex(-1j * (end - begin) / length)
             if -_SAME * length <= foot.real <= length * (1.0 + _SAME) and foot.imag >= -_SAME * length:
                 own = self.column.extent(normal)[1] - float(_along(self.column.centre, normal))
-                found.append((float(foot.imag) - own, normal))
+                found.append((float(foot.imag) - own, normal, begin, end))
         return sorted(found, key=lambda edge: edge[0])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -14,6 +14,7 @@ from signorini.base.on_demand import kept
 from signorini.base.units import METRES, NEWTONS
 from signorini.design import aci318, en1992_punching
 from signorini.design.perimeters import Column, Pieces, Plan
+from signorini.discretise.places import edge_sides
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, sides_of
 from signorini.discretise.rows import Floats
@@ -72,8 +73,10 @@ class Columns:
         for column in zones.model.columns:
             with problems.collected():
                 try:
-                    result.append(_punched(zones, mesh, column))
-                    _ = result[-1].regions
+                    found = _punched(zones, mesh, column)
+                    none = np.zeros((1, len(found.regions)))
+                    found.check.numbers(np.zeros(1), np.zeros(1, np.complex128), none)
+                    result.append(found)
                 except InputError as error:
                     raise InputError(error.message, ("punching", column.table)) from None
         return cls(mesh, tuple(result))
@@ -177,7 +180,17 @@ def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
     else:
         plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(depths), widened=True)
         check = en1992_punching.Punching(plan, depths, rho, *strengths, given, on_raft)
+    reach = max(perimeter.distance for perimeter in check.perimeters)
+    if any(outline.distance(length * line) <= reach for line in _axes(model, mesh)):
+        raise InputError("An edge of symmetry cuts the control perimeter. Model the whole column.")
     return PunchedColumn(column, check, table.code, length, force)
+
+
+def _axes(model: Model, mesh: Mesh) -> Iterator[Floats]:
+    """Points (k, 2) along element sides on edges of symmetry."""
+    for index, support in enumerate(model.support):
+        if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
+            yield from mesh.points[edge_sides(mesh, support.edge, ("support", index))[:, [0, 2]]]
 
 
 def _rings(model: Model, mesh: Mesh) -> Sequence[Floats]:

@@ -23,7 +23,7 @@ _FORMULAS = {
     "EN 1992-1-1:2004": {
         "beta": "1 + Σ k u1/W1 · e, e = M/|V − ΔV|; u1/u1* + k* u1/W1,2 · e2",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
-        "v_ed_face": "β · V / (u0 · d)",
+        "v_ed_face": "(V + Σ k u1/W1 · M) / (u0 · d)",
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
         "v_rd_max": "0.4 · ν · fck/γc; γc = 1.5",
         "asw": "(vEd − 0.75 vRd,c) · u1 / (1.5 fywd,ef) ≥ 0 if vEd > vRd,c",
@@ -82,19 +82,20 @@ class Punched:
     @cached_property
     def outer(self) -> list[Floats]:
         """Points (k, 2) along the parts of the outer perimeter; none unless shear reinforcement is required."""
-        plan, wanted = self.of.column.check.plan, self.of.numbers["uout"] * self.of.column.length
-        low = high = self.of.column.check.basic.distance
+        check, wanted = self.of.column.check, self.of.numbers["uout"] * self.of.column.length
+        plan, low, normals = check.plan, check.basic.distance, check.perimeters[self.at].normals
+        high = low
         if not self.of.numbers["asw"] > 0.0:
             return []
         try:
-            while plan.perimeter(high).pieces.length < wanted:
+            while plan.perimeter(high, normals).pieces.length < wanted:
                 low, high = high, _STEP * high
             for _ in range(_DIVISIONS):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if plan.perimeter(middle).pieces.length < wanted else (low, middle)
+                low, high = (middle, high) if plan.perimeter(middle, normals).pieces.length < wanted else (low, middle)
         except InputError:  # the perimeter is beyond the slab
             return []
-        return self.of.column.drawn(plan.perimeter(high).pieces)
+        return self.of.column.drawn(plan.perimeter(high, normals).pieces)
 
     @cached_property
     def lines(self) -> Mapping[str, list[Floats]]:
@@ -204,8 +205,8 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
 
 
 def _aci(one: Punched, check: aci318.Punching) -> _Help:
-    pieces, normals, column = check.basic.pieces, check.basic.normals, check.plan.column
-    axis = normals[0] if normals else column.axis
+    (_, pieces, _, normals), column = check.perimeters[one.at], check.plan.column
+    axis = normals[0] if normals else pieces.principal if len(column.corners) == 1 else column.axis
     numbers, force, length = one.of.numbers, one.of.column.force, one.of.column.length
     net = force * (numbers["force"] - numbers["inside"])
     moment = force * length * complex(numbers["moment_x"], numbers["moment_y"]) * np.sign(net)
@@ -226,7 +227,7 @@ def _aci(one: Punched, check: aci318.Punching) -> _Help:
         yield "β", "factor", check.given, 0, 0, ""
     short, long = sorted(column.size(side) for side in (column.axis, 1j * column.axis))
     yield "βc", "side_ratio", long / short, 0, 0, "22.6.5.2"
-    yield "αs", "place_factor", {0: 40.0, 1: 30.0}.get(len(normals), 20.0), 0, 0, "22.6.5.3"
+    yield "αs", "place_factor", aci318.ALPHA_S[len(normals)], 0, 0, "22.6.5.3"
     yield "λs", "size_factor", aci318.size_factor(check.depth), 0, 0, "= √(2/(1 + 0.004 d)) ≤ 1, d in mm; 22.5.5.1.3"
     yield "φ", "safety", aci318.PHI, 0, 0, "Table 21.2.1"
     yield "√f'c", "root", aci318.root_of(check.fck), 1, -2, "in MPa; 22.6.3.1"
