@@ -1,6 +1,6 @@
 """Control perimeters of punching: offsets of a column's outline, cut at free edges and behind openings.
 
-Positions are complex numbers x + iy in any unit of length. A direction is a complex number of size 1.
+Positions are complex numbers x + iy in any unit of length. A direction is a complex number of modulus 1.
 """
 
 from __future__ import annotations
@@ -352,7 +352,7 @@ class Plan:
         return False
 
     def _is_outer(self, begin: complex, normal: complex) -> bool:
-        """Whether the whole slab is on one side of the line through a point with an outward normal."""
+        """Whether no part of the slab lies beyond the line through a point with an outward normal."""
         corners = shapely.get_coordinates(self.slab.exterior) @ [1.0, 1j] - begin
         return bool((_along(corners, normal) <= _SLIGHTLY * np.abs(corners).max()).all())
 
@@ -372,7 +372,7 @@ class Plan:
         return self._tangents(opening)[:2]
 
     def _tangents(self, opening: shapely.Polygon) -> tuple[complex, complex, float]:
-        """Directions of the two tangents to an opening, and the angle between them."""
+        """Directions of the two tangents from the column's centre to an opening, and the angle between them."""
         corners = shapely.get_coordinates(opening.exterior) @ [1.0, 1j] - self.column.centre
         turned = np.unwrap(np.angle(corners))
         if abs(turned[-1] - turned[0]) > np.pi:
@@ -402,7 +402,7 @@ class Plan:
 
 
 def numbered(*values: Floats | float) -> Mapping[str, Floats]:
-    """Numbers (k,) of a check by name, from values in the order of `NUMBERS`."""
+    """Map each name in `NUMBERS` to its values (k,) in k combinations; ``values`` are in the same order."""
     return dict(zip(NUMBERS, map(np.asarray, np.broadcast_arrays(*values)), strict=True))
 
 

@@ -23,7 +23,10 @@ _DIGITS, _TICKS, _APART = 4, 8, 13.0
 """Number of significant digits at axes, largest number of intervals between ticks, and distance of labels in pixels."""
 _PROFILED = ("deflection", *RESULTANTS, PRESSURE.name)
 _Curve = tuple[str, Sequence[float | None], Sequence[Any], Sequence[str]]
-"""Name, values (k,), half-widths (k,), ``...`` without half-widths, and governing combinations (k,) or none."""
+"""Curve over k places: name, values (k,), half-widths (k,) of the mesh error, governing combinations (k,).
+
+Without an estimate each half-width is ``...``. The combinations may be empty.
+"""
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ from signorini.results.quantities import (
 
 _ACROSS = 8
 """Largest number of columns of simultaneous reactions, or of quantities at probes, in one table."""
+_OF_STATIONS = 4
+"""Largest number of extremes at stations in one table, so that it fits on paper."""
 _BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 _MOST_REASONS = 20
 """Largest number of combinations without equilibrium whose reason is given."""
@@ -380,27 +382,32 @@ def cuts(of: Contents) -> Iterator[Block]:
 def _strips(of: Contents) -> Iterator[Block]:
     """Yield the extremes of the means over strips at every station, each with its combination."""
     write, envelope, ends = of.write, of.results.envelope, []
-    for each in in_model(of.results.model, MEANS):
+    for each in (one for one in in_model(of.results.model, MEANS) if one.name != "twist"):
         bars = each.path[-1] if len(each.path) > 1 else ""
         sides = SIDES if not bars else ("min",) if each.name == "moment_top" else ("max",)
         ends += [(each, side) for side in sides]
     places = {(one.owner, one.part, one.what): one for one in envelope.layout.catalogue if one.home == "station"}
-    rows = []
-    first = next(solved(of.values), None)
-    for index, strip in enumerate(() if first is None else first["strips"]):
-        for number, station in enumerate(strip["stations"]):
-            cells = [Cell(strip["name"]), write.place(station["at"]), write.number(station["width"])]
-            for each, side in ends:
+    first = next(solved(of.values), {})
+    stations = [
+        (index, number, strip["name"], station)
+        for index, strip in enumerate(first.get("strips", ()))
+        for number, station in enumerate(strip["stations"])
+    ]
+    for begin in range(0, len(ends), _OF_STATIONS):
+        some, rows = ends[begin : begin + _OF_STATIONS], []
+        for index, number, name, station in stations:
+            cells = [Cell(name), write.place(station["at"]), write.number(station["width"])]
+            for each, side in some:
                 column = places[index, number, each.name].column
                 end = envelope[column]
                 value, row = (end.max, end.max_by) if side == "max" else (end.min, end.min_by)
-                width = ... if of.estimates is None else of.estimates.half_width(column, row)
-                cell = write.value(each, value, width)
+                unknown = of.estimates is None or value == 0.0
+                cell = write.value(each, value, ... if unknown else of.estimates.half_width(column, row))
                 cells.append(Cell(f"{cell.text} ({of.short(of.results.key(row))})", cell.value))
             rows.append(cells)
-    head = [write("strip"), write("place"), write.titled("width", "deflection")]
-    titles = (f"{write(side)} {write.label(each)}" for each, side in ends)
-    yield Table(write("strips"), [*head, *titles], rows)
+        head = [write("strip"), write("place"), write.titled("width", "deflection")]
+        titles = (f"{write(side)} {write.label(each)}" for each, side in some)
+        yield Table(_part(write("strips"), begin, len(ends)), [*head, *titles], rows)
 
 
 def load_path(of: Contents) -> Iterator[Block]:
@@ -437,6 +444,9 @@ def punching(of: Contents) -> Iterator[Block]:
         passed, verdict = verdict_on(of, used, width)
         words = f"{write('utilisation')} {write.number(used, width).text}: {verdict}"
         yield Text(words, "plain" if passed is None else "good" if passed else "bad")
+        if one.of.numbers["asw"] > 0.0:
+            enough = one.of.numbers["with_links"] <= 1.0
+            yield Text(write("links" if enough else "no_links"), "warning" if enough else "bad")
 
 
 def warnings(of: Contents) -> Iterator[Block]:

@@ -44,7 +44,7 @@ _LARGEST_LOGO = 500_000
 _LARGEST_PAGE = 1_900_000
 """Largest size of a page with the arrays of its maps [bytes]; the texts of the maps come on top."""
 _LEAST_MAP = 600_000
-"""Size that the arrays of a map may have on every page [bytes]."""
+"""Least room for the arrays of one map [bytes], also where the page then exceeds its largest size."""
 _SECONDS = 180
 """Longest time that a browser may take to print."""
 

@@ -41,7 +41,10 @@ _BLOCK, _SECONDS = 1000, 2.0
 
 @dataclass(frozen=True)
 class StudyProgress:
-    """Progress of a study: finished and all variants, rows that are not solved, the estimated time left in seconds."""
+    """Progress of a study: ``done`` of ``total`` variants are finished, ``unsolved`` of them without an answer.
+
+    ``left`` is the estimated remaining time in seconds, ``row`` the row of the latest variant.
+    """
 
     done: int
     total: int
