@@ -321,7 +321,8 @@ class Plan:
     def _visible(self, pieces: Pieces) -> Pieces:
         """Parts in the slab, without those behind a hole or a pocket of its outline, seen from the column's centre."""
         centre, parts = self.column.centre, pieces
-        reach = shapely.Point(centre.real, centre.imag).buffer(2.0 * pieces.length / _FAR)
+        farthest = np.abs(pieces.at(np.linspace(0.0, 1.0, 5)) - centre).max(initial=0.0)
+        reach = shapely.Point(centre.real, centre.imag).buffer(float(farthest + pieces.lengths.max(initial=0.0)))
         for begin, end in _sides(self.slab):
             if shapely.intersects(reach, shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])):
                 for to in (end, centre) if begin != centre else (end,):
