@@ -416,3 +416,15 @@ def test_the_slab_by_en_1990_has_an_envelope_of_each_limit_state() -> None:
     assert results.model.effective_combinations.groups == {"ULS": 36, "EQU": 36, "SLS": 18 + 3}
     assert results.combined.solved == 93
     assert results.table["factor:walls"].tolist() == results.table["factor:G"].tolist()
+
+
+def test_the_flat_slab_with_every_table_of_design_is_in_balance_and_passes() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "flat_slab_design.toml"))
+    full = next(one for one in results.values() if len(one.combination.factors) == 4)
+    area = 12.4**2 - 0.8 * 0.6
+    assert full.reactions["columns"] == pytest.approx((1.35 * (25 * 0.26 + 1.5) + 1.5 * 3) * area, rel=1e-9)
+    inner = full.punching[4].numbers
+    # The hole takes a sector of the perimeter between 6 d and the column.
+    assert inner["u1"] < 4 * 0.4 + 4 * np.pi * 0.214 and inner["force"] > 0.2 * full.reactions["columns"]
+    deflection, bars = signorini.check_results(results)
+    assert deflection.passed and bars.utilisation < 1.0
