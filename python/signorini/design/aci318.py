@@ -121,7 +121,7 @@ class Punching:
         rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
         v_u, v_c, bo, mean = stress[rows, worst], resistance[worst], lengths[worst], np.abs(net[rows, worst])
         reduced = PHI * 0.17 * size_factor(depth) * root_of(self.fck)
-        face = min(self.plan.face(one.normals).length for one in self.perimeters)
+        face = min(self.plan.face(one.edges).length for one in self.perimeters)
         links = np.where(v_u > v_c, (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT)), 0.0)
         beta = v_u * bo * depth / np.where(mean > 0.0, mean, np.nan)
         at_face, most = np.abs(force) / (face * depth), PHI * 0.5 * root_of(self.fck)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions, numbered
+from signorini.design.perimeters import Edge, Perimeter, Pieces, Plan, Positions, numbered
 from signorini.errors import InputError
 from signorini.shapes.arrays import Bools, Floats
 
@@ -130,9 +130,9 @@ class Punching:
     def face_length(self) -> float:
         """u0 by 6.4.5(3): the column's outline, at an edge at most c2 + 3d, at a corner at most 3d."""
         lengths = []
-        for normals in map(self._edges, self.perimeters):
-            most = [np.inf, self.plan.column.size(1j * normals[0]) if normals else 0.0, 0.0][len(normals)]
-            lengths.append(min(self.plan.face(normals).length, most + 3.0 * self.depth))
+        for edges in map(self._edges, self.perimeters):
+            most = [np.inf, self.plan.column.size(1j * edges[0].normal) if edges else 0.0, 0.0][len(edges)]
+            lengths.append(min(self.plan.face(edges).length, most + 3.0 * self.depth))
         return min(lengths)
 
     def mean_times_beta(self, force: Floats, moment: Positions) -> Floats:
@@ -161,7 +161,7 @@ class Punching:
         """Shape of every perimeter."""
         column, every = self.plan.column, []
         for found in self.perimeters:
-            pieces, near = found.pieces, self._edges(found)
+            pieces, near = found.pieces, [edge.normal for edge in self._edges(found)]
             is_round = len(column.corners) == 1 and not found.normals
             axis = (*near, *found.normals, pieces.principal if is_round else column.axis)[0]
 
@@ -177,13 +177,13 @@ class Punching:
             every.append((*shape, *edges))
         return _Shapes(*map(np.array, zip(*every, strict=True)))
 
-    def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
-        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5).
+    def _edges(self, perimeter: Perimeter) -> tuple[Edge, ...]:
+        """The free edge or edges of the corner that the column stands at: at most d away, 6.4.2(5).
 
         On a pad that ends within d on both sides, the column does not stand at an edge.
         """
-        near = (normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
-        return tuple(normal for normal in near if self.plan.gap(-normal) > self.depth)
+        near = (edge for edge in perimeter.edges if edge.gap <= self.depth)
+        return tuple(edge for edge in near if self.plan.gap(-edge.normal) > self.depth)
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
         """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""

@@ -237,13 +237,25 @@ class Column:
         return Pieces.of(pieces)
 
 
+class Edge(NamedTuple):
+    """A free edge: its outward normal, and its distance from the column."""
+
+    normal: complex
+    gap: float
+
+
 class Perimeter(NamedTuple):
-    """A control perimeter at a distance, the closed line that it is part of, and outward normals of its free edges."""
+    """A control perimeter at a distance, the closed line that it is part of, and the free edges at which it ends."""
 
     distance: float
     pieces: Pieces
     whole: Pieces
-    normals: tuple[complex, ...]
+    edges: tuple[Edge, ...]
+
+    @property
+    def normals(self) -> tuple[complex, ...]:
+        """Outward normals of the edges."""
+        return tuple(edge.normal for edge in self.edges)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,7 +285,7 @@ class Plan:
 
         A perimeter is valid if no free edge cuts it except those at which it ends.
         """
-        basic, near = self.column.offset(distance, square), list[tuple[complex, complex, complex]]()
+        basic, near = self.column.offset(distance, square), list[tuple[Edge, complex, complex]]()
         low = {normal: self.column.extent(-normal) for _, normal, *_ in self._edges}
         for gap, normal, begin, end in self._edges:
             single = self.column.extended([normal], _FAR * basic.length).offset(distance, square)
@@ -281,36 +293,36 @@ class Plan:
             straight = _along(np.array([begin, end]), 1j * normal)
             ends = np.array(self.column.extent(1j * normal)) + distance * np.array([-1.0, 1.0])
             across = straight.min() <= ends[0] and ends[1] <= straight.max()
-            apart = all(abs(np.angle(normal / other)) > _ALIKE for other, *_ in near)
+            apart = all(abs(np.angle(normal / other.normal)) > _ALIKE for other, *_ in near)
             if shorter and apart and (across or self._is_outer(begin, normal)):
-                near.append((normal, begin, end))
+                near.append((Edge(normal, gap), begin, end))
         every = list[Perimeter]()
         for some in (some for count in range(_MOST_EDGES + 1) for some in combinations(near, count)):
-            normals = tuple(normal for normal, *_ in some)
-            found = self.perimeter(distance, normals, square)
-            others = [edge[1:] for edge in near if edge not in some]
+            found = self.perimeter(distance, tuple(edge for edge, *_ in some), square)
+            others = [ends for edge, *ends in near if edge not in found.edges]
             if found.pieces.length > 0.0 and not self._cut(found.whole, others):
                 every.append(found._replace(pieces=self._unshaded(found.pieces)))
         return every
 
-    def perimeter(self, distance: float, normals: tuple[complex, ...], square: bool = False) -> Perimeter:
+    def perimeter(self, distance: float, edges: tuple[Edge, ...], square: bool = False) -> Perimeter:
         """The perimeter at a distance to some free edges: its parts that are visible from the column's centre."""
-        towards, reach = list(normals), _FAR * self.column.offset(distance, square).length
+        normals = [edge.normal for edge in edges]
+        towards, reach = normals, _FAR * self.column.offset(distance, square).length
         if len(normals) == _MOST_EDGES and abs(np.angle(-normals[0] / normals[1])) <= _ALIKE:
             across = (normals[0] - normals[1]) / abs(normals[0] - normals[1])
             towards = [across, -across]
         whole = self.column.extended(towards, reach).offset(distance, square)
         parts = whole
-        for normal in normals:
-            level = -self.column.extent(normal)[1] - self.gap(normal)
+        for normal, gap in edges:
+            level = -self.column.extent(normal)[1] - gap
             whole, parts = whole.beyond(-normal, level).closed, parts.beyond(-normal, level)
-        return Perimeter(distance, self._visible(parts), whole, normals)
+        return Perimeter(distance, self._visible(parts), whole, edges)
 
     @kept
-    def face(self, normals: tuple[complex, ...]) -> Pieces:
+    def face(self, edges: tuple[Edge, ...]) -> Pieces:
         """The column's outline; towards free edges it is straight, up to the column's outermost point."""
-        pieces = self.perimeter(0.0, normals).pieces
-        for normal in normals:
+        pieces = self.perimeter(0.0, edges).pieces
+        for normal, _ in edges:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
         return self._unshaded(pieces)
 

@@ -83,19 +83,19 @@ class Punched:
     def outer(self) -> list[Floats]:
         """Points (k, 2) along the parts of the outer perimeter; none unless shear reinforcement is required."""
         check, wanted = self.of.column.check, self.of.numbers["uout"] * self.of.column.length
-        plan, low, normals = check.plan, check.basic.distance, check.perimeters[self.at].normals
+        plan, low, edges = check.plan, check.basic.distance, check.perimeters[self.at].edges
         high = low
         if not self.of.numbers["asw"] > 0.0:
             return []
         try:
-            while plan.perimeter(high, normals).pieces.length < wanted:
+            while plan.perimeter(high, edges).pieces.length < wanted:
                 low, high = high, _STEP * high
             for _ in range(_DIVISIONS):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if plan.perimeter(middle, normals).pieces.length < wanted else (low, middle)
+                low, high = (middle, high) if plan.perimeter(middle, edges).pieces.length < wanted else (low, middle)
         except InputError:  # the perimeter is beyond the slab
             return []
-        return self.of.column.drawn(plan.perimeter(high, normals).pieces)
+        return self.of.column.drawn(plan.perimeter(high, edges).pieces)
 
     @cached_property
     def lines(self) -> Mapping[str, list[Floats]]:
@@ -205,7 +205,8 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
 
 
 def _aci(one: Punched, check: aci318.Punching) -> _Help:
-    (_, pieces, _, normals), column = check.perimeters[one.at], check.plan.column
+    section, column = check.perimeters[one.at], check.plan.column
+    pieces, normals = section.pieces, section.normals
     axis = normals[0] if normals else pieces.principal if len(column.corners) == 1 else column.axis
     numbers, force, length = one.of.numbers, one.of.column.force, one.of.column.length
     net = force * (numbers["force"] - numbers["inside"])
