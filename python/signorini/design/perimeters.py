@@ -196,7 +196,7 @@ class Column:
         longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
 
-    def distance(self, line: npt.ArrayLike) -> float:
+    def distance(self, line: Floats) -> float:
         """Distance from a line through points (k, 2), at most 0 if they meet."""
         corners = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull
         return float(shapely.distance(shapely.LineString(line), corners)) - self.radius
@@ -277,7 +277,7 @@ class Plan:
         slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
         if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
             raise InputError(f"The column's centre {column.centre:g} is not on the plate. Move the column.")
-        near = tuple(hole for hole in inner if column.distance(hole.exterior.coords) <= within)
+        near = tuple(hole for hole in inner if column.distance(shapely.get_coordinates(hole.exterior)) <= within)
         return cls(column, slab, near, widened)
 
     def perimeters(self, distance: float, square: bool = False) -> list[Perimeter]:
@@ -299,7 +299,7 @@ class Plan:
         every = list[Perimeter]()
         for some in (some for count in range(_MOST_EDGES + 1) for some in combinations(near, count)):
             found = self.perimeter(distance, tuple(edge for edge, *_ in some), square)
-            others = [ends for edge, *ends in near if edge not in found.edges]
+            others = [(begin, end) for edge, begin, end in near if edge not in found.edges]
             if found.pieces.length > 0.0 and not self._cut(found.whole, others):
                 every.append(found._replace(pieces=self._unshaded(found.pieces)))
         return every
@@ -366,7 +366,7 @@ class Plan:
 
     def _is_outer(self, begin: complex, normal: complex) -> bool:
         """Whether no part of the slab lies beyond the line through a point with an outward normal."""
-        corners = shapely.get_coordinates(self.slab.exterior) @ [1.0, 1j] - begin
+        corners = np.asarray(shapely.get_coordinates(self.slab.exterior) @ [1.0, 1j] - begin, np.complex128)
         return bool((_along(corners, normal) <= _SLIGHTLY * np.abs(corners).max()).all())
 
     def _unshaded(self, pieces: Pieces) -> Pieces:

@@ -401,8 +401,8 @@ def _strips(of: Contents) -> Iterator[Block]:
                 column = places[index, number, each.name].column
                 end = envelope[column]
                 value, row = (end.max, end.max_by) if side == "max" else (end.min, end.min_by)
-                unknown = of.estimates is None or value == 0.0
-                cell = write.value(each, value, ... if unknown else of.estimates.half_width(column, row))
+                width = ... if of.estimates is None or value == 0.0 else of.estimates.half_width(column, row)
+                cell = write.value(each, value, width)
                 cells.append(Cell(f"{cell.text} ({of.short(of.results.key(row))})", cell.value))
             rows.append(cells)
         head = [write("strip"), write("place"), write.titled("width", "deflection")]
