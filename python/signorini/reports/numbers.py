@@ -348,6 +348,9 @@ def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
         own = results is of.results
         data = map_data(results, of.estimates if own else None, budget=budget, columns=of.punched if own else ())
         words = {field["name"]: of.write.translated(field["words"]) for field in data.header["fields"]}
+        checked = (one for one in words if one.startswith("utilisation:"))
+        words |= {one: f"{of.write('utilisation')}, {one.removeprefix('utilisation:')}" for one in checked}
+        words |= {} if own else {"state": of.write("stop")}
         return map_html(data, name, of.write.language, words)
 
     return Map(name, markup)
