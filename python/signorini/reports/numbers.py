@@ -12,6 +12,7 @@ import numpy as np
 
 from signorini.analysis.checks import judged
 from signorini.analysis.results import Results
+from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.output.by_combination import by_combination
 from signorini.output.load_path import path_json
 from signorini.reports import pictures
@@ -39,11 +40,8 @@ _ACROSS = 8
 """Largest number of columns of simultaneous reactions, or of quantities at probes, in one table."""
 _OF_STATIONS = 4
 """Largest number of extremes at stations in one table, so that it fits on paper."""
-_BOUNDED = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 _MOST_REASONS = 20
 """Largest number of combinations without equilibrium whose reason is given."""
-_LIMIT = 1e-8
-"""Bound of the errors of a certificate that have no larger rounding limit."""
 
 
 def _width(tree: Any, *keys: str | int) -> Any:
@@ -232,10 +230,10 @@ def equilibrium(of: Contents) -> Iterator[Block]:
         size = max(abs(load), *map(abs, own), float(abs(weighing).sum()))
         numbers = (load, sum(own), sum(own) - load)
         rows.append([Cell(of.code(one["name"])), *(write.number(value, size=size) for value in numbers)])
-        found_errors, bounds = one["certificate"], (one["certificate"].get(f"{name}_limit", 0.0) for name in _BOUNDED)
+        found_errors, bounds = one["certificate"], (one["certificate"].get(f"{name}_limit", 0.0) for name in FIGURES)
         cells = [
-            Cell(f"{found_errors[name]:.1e} ≤ {max(bound, _LIMIT):.0e}", found_errors[name])
-            for name, bound in zip(_BOUNDED, bounds, strict=True)
+            Cell(f"{found_errors[name]:.1e} ≤ {max(bound, TOLERANCE):.0e}", found_errors[name])
+            for name, bound in zip(FIGURES, bounds, strict=True)
         ]
         passed = write("passed" if found_errors["passed"] else "failed")
         errors.append([Cell(of.short(one["name"])), *cells, Cell(passed)])
@@ -243,7 +241,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
     head = [write("combination"), *(write(key) + unit for key in ("load_sum", "reaction_sum", "difference"))]
     yield Table(write("balance_table"), head, rows)
     yield Text(write("certificate_words"))
-    yield Table(write("certificate"), [write("combination"), *map(write, _BOUNDED), write("verdict")], errors)
+    yield Table(write("certificate"), [write("combination"), *map(write, FIGURES), write("verdict")], errors)
 
 
 def reactions(of: Contents) -> Iterator[Block]:
@@ -336,9 +334,9 @@ def fields(of: Contents) -> Iterator[Block]:
         yield Table(_part(of.write("probes"), first, len(known)), [*head, *map(of.write.label, some)], rows)
 
 
-def _part(caption: str, first: int, count: int) -> str:
-    """Caption of one of the tables that share ``count`` columns."""
-    return f"{caption} ({first // _ACROSS + 1})" if count > _ACROSS else caption
+def _part(caption: str, first: int, count: int, across: int = _ACROSS) -> str:
+    """Caption of one of the tables that share ``count`` columns, at most ``across`` in each."""
+    return f"{caption} ({first // across + 1})" if count > across else caption
 
 
 def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
@@ -410,7 +408,7 @@ def _strips(of: Contents) -> Iterator[Block]:
             rows.append(cells)
         head = [write("strip"), write("place"), write.titled("width", "deflection")]
         titles = (f"{write(side)} {write.label(each)}" for each, side in some)
-        yield Table(_part(write("strips"), begin, len(ends)), [*head, *titles], rows)
+        yield Table(_part(write("strips"), begin, len(ends), _OF_STATIONS), [*head, *titles], rows)
 
 
 def load_path(of: Contents) -> Iterator[Block]:

@@ -210,13 +210,13 @@ def run(
     if missing:
         solver = Workers(min(cores(), len(missing))) if executor is None else nullcontext(executor)
         with solver as chosen, _kept(store) as keep:
-            begun = time.perf_counter()
+            begun, unsolved = time.perf_counter(), sum(row["status"] != "solved" for row in rows.values())
             for done, row in enumerate(_solved(plan, missing, chosen), 1):
                 rows[row["row"]] = row
                 keep(row)
+                unsolved += row["status"] != "solved"
                 if progress is not None:
                     left = (time.perf_counter() - begun) / done * (len(missing) - done)
-                    unsolved = sum(row["status"] != "solved" for row in rows.values())
                     progress(StudyProgress(len(rows), len(plan.values), unsolved, left, row))
     if store is not None:
         rows |= store.rows()
