@@ -85,16 +85,19 @@ class Punching:
         """The shortest critical section."""
         return min(self.perimeters, key=lambda one: one.pieces.length)
 
+    def axis(self, bo: Perimeter) -> complex:
+        """Direction of an axis of a critical section: across its edge, else of the column, principal if it is round."""
+        column = self.plan.column
+        return (*bo.normals, bo.pieces.principal if len(column.corners) == 1 else column.axis)[0]
+
     def stress(self, bo: Perimeter, force: Floats, moment: Positions) -> Floats:
         """Stress vu (k,), the largest |V/(bo d) ± γv M c/Jc| about both axes of a critical section, R8.4.4.2.3."""
-        pieces, normals, column = bo.pieces, bo.normals, self.plan.column
+        pieces, column = bo.pieces, self.plan.column
         mean, centroid = force / (pieces.length * self.depth), pieces.centroid
         if self.given is not None:
             return np.asarray(self.given * np.abs(mean))
         about = moment - force * (centroid - column.centre)
-        round_one = len(column.corners) == 1 and not normals
-        gradient = np.zeros(len(force), np.complex128)
-        axis = normals[0] if normals else pieces.principal if round_one else column.axis
+        gradient, axis = np.zeros(len(force), np.complex128), self.axis(bo)
         for direction in (axis, 1j * axis):
             b1, b2 = (pieces.highest(np.array([side, -side])).sum() for side in (direction, 1j * direction))
             share = shear_part(b1, b2) / pieces.inertia(direction, self.depth)

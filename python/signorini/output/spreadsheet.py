@@ -7,6 +7,7 @@ from typing import Any
 
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
+from signorini.contact.certificate import FIGURES
 from signorini.formats.xlsx import Cell, Sheet
 from signorini.model import Units
 from signorini.output.by_combination import by_combination
@@ -27,7 +28,6 @@ _LISTS = {
 _LENGTHS = ("s", "length", "width", "distance")
 _WIDTH = "± "
 """Begin of the title of half-widths."""
-_FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 
 
 def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
@@ -62,7 +62,7 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
     yield from values["model"].items()
     for one in values["combinations"]:
         certificate = one["certificate"]
-        largest = None if certificate is None else max(certificate[key] for key in _FIGURES)
+        largest = None if certificate is None else max(certificate[key] for key in FIGURES)
         said = one["message"] or ("certificate passed" if certificate and certificate["passed"] else one["status"])
         yield (one["name"], said, largest)
     yield from ((", ".join(("warning", *one["combinations"])), one["text"]) for one in values["warnings"])

@@ -207,7 +207,7 @@ def _eurocode(one: Punched, check: en1992_punching.Punching) -> _Help:
 def _aci(one: Punched, check: aci318.Punching) -> _Help:
     section, column = check.perimeters[one.at], check.plan.column
     pieces, normals = section.pieces, section.normals
-    axis = normals[0] if normals else pieces.principal if len(column.corners) == 1 else column.axis
+    axis = check.axis(section)
     numbers, force, length = one.of.numbers, one.of.column.force, one.of.column.length
     net = force * (numbers["force"] - numbers["inside"])
     moment = force * length * complex(numbers["moment_x"], numbers["moment_y"]) * np.sign(net)
