@@ -28,6 +28,7 @@ from signorini_command import ASKED
 
 if TYPE_CHECKING:
     from signorini.analysis.estimate import Estimates
+    from signorini.mpi.engine import Engine
 
 _MAX_REASONS = 20
 """Largest number of combinations without equilibrium for which the reason is printed."""
@@ -132,6 +133,10 @@ def solve(
     ] = None,
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
+    engine: Annotated[
+        Literal["embedded", "petsc"],
+        typer.Option(help="petsc: solve with PETSc and MUMPS, over all processes of mpiexec."),
+    ] = "embedded",
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
@@ -140,7 +145,7 @@ def solve(
     from signorini.plot.artist import Artist, cores
 
     without_artist = pictures == "none" or threads == 1 or cores() == 1
-    with _messages(file), nullcontext() if without_artist else Artist() as artist:
+    with _messages(file), _ranks(engine) as ranks, nullcontext() if without_artist else Artist() as artist:
         from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
@@ -155,9 +160,10 @@ def solve(
             with room_for(directory, model) as temporary, progress_line() as show:
                 table = temporary / TABLE if model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table)
+                    results, estimates = _solved(model, show, table, ranks)
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
+                draw = artist.drawn if artist else None
+                write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
@@ -409,13 +415,31 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
 
 
 def _solved(
-    model: signorini.Model, show: Callable[[object], None], table: Path | None = None
+    model: signorini.Model, show: Callable[[object], None], table: Path | None = None, engine: Engine | None = None
 ) -> tuple[signorini.Results, Estimates | None]:
     """Solve a model and, unless ``mesh.error`` is false, estimate its mesh errors."""
     from signorini.analysis.estimate import estimates_of
 
-    results = signorini.solve(model, progress=show, table=table)
+    results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
     return results, estimates_of(results, show, table) if model.estimated else None
+
+
+@contextmanager
+def _ranks(engine: str) -> Iterator[Engine | None]:
+    """Context with the engine petsc; all ranks except 0 take part in its jobs and end here. None if embedded."""
+    if engine == "embedded":
+        yield None
+        return
+    from signorini.mpi.engine import Engine
+
+    started = Engine()
+    if started.ranks.rank:
+        started.ranks.serve()
+        raise typer.Exit
+    try:
+        yield started
+    finally:
+        started.ranks.end()
 
 
 def _numbers(text: str) -> list[float]:
