@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -157,8 +157,8 @@ def solve(
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with room_for(directory, model) as temporary, progress_line() as show:
-                table = temporary / TABLE if model.tabulated else None
+            with _room(room_for(directory, model), ranks) as temporary, progress_line() as show:
+                table = temporary / TABLE if temporary and model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
                     results, estimates = _solved(model, show, table, ranks)
                 show("writing the results")
@@ -422,6 +422,19 @@ def _solved(
 
     results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
     return results, estimates_of(results, show, table) if model.estimated else None
+
+
+@contextmanager
+def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
+    """Context with a room for results; with the engine petsc the room is only checked.
+
+    If a rank dies, MPI kills the others at once, so that none of them could remove a directory.
+    """
+    with room as temporary:
+        if engine is None:
+            yield temporary
+            return
+    yield None
 
 
 @contextmanager

@@ -40,14 +40,13 @@ class Equations:
         self._scatter = PETSc.Scatter().create(self._solution, places, self._local, None)
 
     def fill(self, stiffness: tuple[Ints, Ints, Floats], supports: csr_array) -> None:
-        """Set the matrix to K + ``supports`` (3n, 3n), with K as `_core.Plate.stiffness_matrix` gives it."""
+        """Set the matrix to K + ``supports`` (3n, 3n), with K as `_core.Plate.stiffness_matrix` gives it.
+
+        Rows and columns of held dofs in K are set to 0.
+        """
         start, column, value = stiffness
-        scale = float(np.abs(value).max(initial=0.0))
-        free = np.where(self._held, 0.0, 1.0)
-        value *= free[column]
-        value *= np.repeat(free, np.diff(start))
-        # A held dof has the equation u = 0.
-        value[start[:-1][self._held]] = scale
+        if self._held.any():
+            value[self._held[column] | np.repeat(self._held, np.diff(start))] = 0.0
         first, last = start[self._owned.start], start[self._owned.stop]
         rows = (start[self._owned.start : self._owned.stop + 1] - first).astype(np.int32)
         added = supports[self._owned]

@@ -73,10 +73,8 @@ class Problem:
         return result
 
     def largest(self, values: Floats) -> float:
-        """Largest magnitude of the values of all ranks."""
-        from mpi4py import MPI
-
-        return float(self.communicator.allreduce(float(np.abs(values).max(initial=0.0)), MPI.MAX))
+        """Largest magnitude of the values of all ranks; NaN if one is NaN."""
+        return float(np.max(self.communicator.allgather(float(np.abs(values).max(initial=0.0)))))
 
     def residual(self, hi: Floats, lo: Floats) -> Floats:
         """F − Ku (3n,) of plate and springs; right at the nodes that the rank owns."""
@@ -92,10 +90,10 @@ class Problem:
         return -self.plate.residual(self._at_rest, np.zeros_like(u), u, np.zeros_like(u))
 
     def supports(self, stiffness: Floats) -> csr_array:
-        """GᵀkG (3n, 3n) of contact points with stiffness k (m,), without held dofs."""
+        """GᵀkG (3n, 3n) of contact points with stiffness k (m,); held dofs have an equation u = 0 of their own."""
         rows = self.rows.copy()
         rows.data = np.where(self.part.held[rows.indices], 0.0, rows.data)
-        return csr_array(rows.T @ diags_array(stiffness) @ rows)
+        return csr_array(rows.T @ diags_array(stiffness) @ rows + diags_array(self.part.held * self.part.shear))
 
     def restrained_by(self, closed: Bools) -> bool:
         """Whether held dofs, springs and closed points restrain the rigid motions of the plate."""
