@@ -1,8 +1,8 @@
-"""The engine petsc and the embedded engine on slab A: time, Newton steps, memory of a rank, size and work of the factor.
+"""The engine petsc and the embedded engine on slab A: time, Newton steps, memory of each rank, size of the factor.
 
 Every run has processes of its own. Memory is the largest resident set of a process, including imports. The processor
-time of a rank includes the time in which it waits for others, because MPI waits at full load. docs/scaling.md uses these
-numbers.
+time of a rank includes the time in which it waits for others, because MPI waits at full load. docs/scaling.md has the
+results.
 
     .ci/petsc                                   makes the environment
     .venv-petsc/bin/python benchmarks/petsc.py [--elements 75 160 333] [--ranks 1 2 4]
@@ -119,7 +119,7 @@ def run(elements: int, ranks: int) -> dict[str, object]:
 
 
 def measure(elements: list[int], ranks: list[int]) -> None:
-    print("elements       dofs  engine     time  steps  factor: time  entries     flops   MB and s of processor of each rank")
+    print("elements       dofs  engine     time  steps  factor: time  entries     flops   MB and CPU s of each rank")
     for n in elements:
         for count in ranks:
             of = run(n, count)

@@ -13,7 +13,9 @@ engine = Engine()
 if engine.ranks.rank:
     engine.ranks.serve()
 else:
-    for file in files:
-        values = results_json(engine.solve(load(file), lambda progress: None))
-        (directory / f"{file.stem}.json").write_text(json.dumps(values))
-    engine.ranks.end()
+    try:
+        for file in files:
+            values = results_json(engine.solve(load(file), lambda progress: None))
+            (directory / f"{file.stem}.json").write_text(json.dumps(values))
+    finally:
+        engine.ranks.end()

@@ -1,4 +1,4 @@
-"""The engine petsc: equal to the embedded engine on any number of ranks; its files; a rank that dies; what it refuses.
+"""The engine petsc: equal to the embedded engine on any number of ranks; its files; a rank that dies; refused input.
 
 Ranks run in the environment that .ci/petsc makes; without it their tests are skipped.
 """
@@ -224,7 +224,7 @@ def test_refused(change: tuple[str, str], key: str, tmp_path: Path) -> None:
 
 
 def test_without_petsc(tmp_path: Path) -> None:
-    """The message says how to get the engine; a plain solve imports nothing of it."""
+    """The message says how to get the engine; a plain solve does not import it."""
     file = tmp_path / "slab.toml"
     file.write_text(MODELS["pads"].replace("20, 20", "4, 4"))
     plain = (
@@ -249,7 +249,7 @@ class OneRank:
     def allgather(self, value: float) -> list[float]:
         return [value]
 
-    def Allreduce(self, values: np.ndarray, result: np.ndarray) -> None:  # noqa: N802
+    def Allreduce(self, values: np.ndarray, result: np.ndarray) -> None:
         result[...] = values
 
 
@@ -281,7 +281,7 @@ def test_parts_are_the_whole(ranks: int, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["soil", "floor", "cover"])
 @pytest.mark.parametrize("wrong", [0.0, 1e-6])
 def test_errors_are_those_of_certificate(name: str, wrong: float, tmp_path: Path) -> None:
-    """Of a right answer and of one with an error of 1e-6 in displacements and reactions."""
+    """The answer is right, or has an error of 1e-6 in displacements and reactions."""
     (tmp_path / "model.toml").write_text(MODELS[name])
     problem = contact_problem(load(tmp_path / "model.toml"))
     whole, rng = problem.discretisation, np.random.default_rng(2)

@@ -21,7 +21,7 @@ from signorini.contact.problem import Steps, unfactored
 from signorini.contact.selection import Answer, chosen
 from signorini.contact.strategy import refusal
 from signorini.discretise import Discretisation, discretise
-from signorini.discretise.rows import Ints
+from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import explain, imbalance_of
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, Place
@@ -151,7 +151,7 @@ def _posed(
 ) -> tuple[Iterator[tuple[Part, Steps | None]], Ints, str]:
     """Arguments of the ranks' jobs, the order of nodes, and the reason why no reactions balance the load, or "".
 
-    Once the arguments are sent, nothing refers to the discretisation, so that rank 0 has its memory for the factor.
+    The arguments release the discretisation when they are sent, so that rank 0 has its memory for the factor.
     """
     discretisation = _discretised(model, show, seconds)
     require_checks(discretisation)
@@ -176,25 +176,29 @@ def _discretised(model: Model, show: Show, seconds: dict[str, float]) -> Discret
 
 def _answer(discretisation: Discretisation, order: Ints, found: list[dict[str, Any]]) -> Answer:
     """Put the ranks' parts of the solution together."""
-    contacts = discretisation.contacts
-    nodal = {}
-    for name in ("hi", "lo"):
+    points = np.concatenate([one["points"] for one in found])
+
+    def at_nodes(name: str) -> Floats:
         values = np.empty((len(order), 3))
         values[order] = np.concatenate([one[name] for one in found]).reshape(-1, 3)
-        nodal[name] = values.ravel()
-    points = np.concatenate([one["points"] for one in found])
-    at_points = {}
-    for name in ("reaction", "gap", "closed"):
+        return values.ravel()
+
+    def at_points(name: str) -> Any:
         values = np.concatenate([one[name] for one in found])
-        at_points[name] = np.empty_like(values)
-        at_points[name][points] = values
-    closed = at_points["closed"]
+        result = np.empty_like(values)
+        result[points] = values
+        return result
+
+    reaction, closed = at_points("reaction"), at_points("closed")
     return Answer(
         status="solved",
-        **nodal,
-        **at_points,
-        piece=np.where(contacts.two_sided, 0, closed).astype(np.uint8),
-        shared=np.concatenate([at_points["reaction"], np.zeros(len(discretisation.repeated))]),
+        hi=at_nodes("hi"),
+        lo=at_nodes("lo"),
+        reaction=reaction,
+        gap=at_points("gap"),
+        closed=closed,
+        piece=np.where(discretisation.contacts.two_sided, 0, closed).astype(np.uint8),
+        shared=np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
         pivots=0,
         iterations=found[0]["steps"],
         gradients=0,
@@ -218,15 +222,15 @@ def _require_plain(model: Model) -> None:
     ]
     found += [(("zone", index, "rigid"), zone.rigid, "rigid zones") for index, zone in enumerate(model.zone)]
     for index, support in enumerate(model.support):
-        place = "support", index
+        place: Place = "support", index
         found.append(((*place, "preload"), support.preload, "bolts that are tightened"))
         found.append(((*place, "law"), support.law, "curved laws"))
         found.append(((*place, "limit"), support.limit, "supports with a limit"))
         found.append((place, support.has_footprint, "supports with a footprint"))
-    for place, given, what in found:
+    for where, given, what in found:
         if given:
             raise InputError(
-                f"The engine petsc does not solve models with {what}. Leave that out, or take --engine embedded.", place
+                f"The engine petsc does not solve models with {what}. Leave that out, or take --engine embedded.", where
             )
 
 

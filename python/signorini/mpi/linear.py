@@ -11,8 +11,12 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mpi.parts import Part
 
-_MEMORY, _SINGULAR = (-8, -9, -11, -12, -13, -17, -20), (-6, -10)
-"""Errors of MUMPS, INFOG(1): too little memory, and a singular matrix."""
+_WORKSPACE_SHORT = (-8, -9, -14, -15, -17, -20)
+"""Errors of MUMPS, INFOG(1), if its estimate of the workspace was too small."""
+_MEMORY = (*_WORKSPACE_SHORT, -11, -12, -13)
+"""Errors of MUMPS if there is not enough memory."""
+_WORKSPACE, _MOST_WORKSPACE = 30, 2000
+"""First and largest workspace above the estimate of MUMPS in percent, ICNTL(14)."""
 
 
 class Equations:
@@ -32,6 +36,7 @@ class Equations:
         count = self._owned.stop - self._owned.start
         self._sizes = ((count, 3 * part.total), (count, 3 * part.total))
         self._matrix: Any = None
+        self._workspace = _WORKSPACE
         self._solver = PETSc.PC().create(communicator)
         self._right = PETSc.Vec().createMPI(self._sizes[0], comm=communicator)
         self._solution = self._right.duplicate()
@@ -67,20 +72,30 @@ class Equations:
 
     def factor(self) -> None:
         """Factor the matrix; no array that filled it should still be in memory."""
-        if self._solver.getType() is None:
-            self._solver.setOperators(self._matrix)
-            self._solver.setType("cholesky")
-            self._solver.setFactorSolverType("mumps")
-            self._solver.setFactorSetUpSolverType()
-        try:
-            self._solver.setUp()
-        except self._petsc.Error as error:
-            raise SignoriniError(f"The stiffness matrix cannot be factored: {error}") from None
-        code = self._solver.getFactorMatrix().getMumpsInfog(1)
+        code = self._factored()
+        while code in _WORKSPACE_SHORT and self._workspace < _MOST_WORKSPACE:
+            self._workspace *= 4
+            self._solver.reset()
+            self._solver.setType("none")
+            code = self._factored()
         if code in _MEMORY:
             raise SignoriniError("Not enough memory for the factor. Take more ranks, nodes, or a coarser mesh.")
         if code < 0:
             raise SignoriniError(f"The stiffness matrix cannot be factored: error {code} of MUMPS.")
+
+    def _factored(self) -> int:
+        """Factor the matrix, ordered before the first time; return INFOG(1) of MUMPS, negative after an error."""
+        if self._solver.getType() != "cholesky":
+            self._solver.setOperators(self._matrix)
+            self._solver.setType("cholesky")
+            self._solver.setFactorSolverType("mumps")
+            self._solver.setFactorSetUpSolverType()
+            self._solver.getFactorMatrix().setMumpsIcntl(14, self._workspace)
+        try:
+            self._solver.setUp()
+        except self._petsc.Error as error:
+            raise SignoriniError(f"The stiffness matrix cannot be factored: {error}") from None
+        return int(self._solver.getFactorMatrix().getMumpsInfog(1))
 
     def solve(self, right: Floats) -> Floats:
         """Solve for a right-hand side (3n,), of which the owned entries count; return the values of all nodes (3n,)."""
