@@ -15,6 +15,7 @@ import numpy as np
 
 from signorini.analysis.checks import require_checks
 from signorini.analysis.results import Results
+from signorini.base.memory import over_machines
 from signorini.base.progress import Progress
 from signorini.contact.certificate import Certificate, certified
 from signorini.contact.problem import Steps, unfactored
@@ -127,12 +128,12 @@ def _result(
     """Result of one combination."""
     arguments, order, unbalanced = _posed(ranks, model, combination, show, seconds)
     if unbalanced:
-        discretisation = _discretised(model, show, seconds)
+        discretisation = _discretised(ranks, model, show, seconds)
         return unsolved_result(discretisation, combination, unbalanced), discretisation
     begun = time.perf_counter()
     found = ranks.run("solve", arguments)
     seconds["contact"] += time.perf_counter() - begun
-    discretisation = _discretised(model, show, seconds)
+    discretisation = _discretised(ranks, model, show, seconds)
     load, freedom = discretisation.load(combination), rigid_freedom(discretisation)
     answer = _answer(discretisation, order, found)
     least = chosen(discretisation, freedom, load.nodal, answer)
@@ -153,7 +154,7 @@ def _posed(
 
     The arguments release the discretisation when they are sent, so that rank 0 has its memory for the factor.
     """
-    discretisation = _discretised(model, show, seconds)
+    discretisation = _discretised(ranks, model, show, seconds)
     require_checks(discretisation)
     _require_handled(discretisation)
     message = explain(discretisation, imbalance_of(discretisation, rigid_freedom(discretisation), combination))
@@ -166,9 +167,10 @@ def _posed(
     return ((part, None if rank else steps) for rank, part in enumerate(parts)), division.order, message
 
 
-def _discretised(model: Model, show: Show, seconds: dict[str, float]) -> Discretisation:
+def _discretised(ranks: Ranks, model: Model, show: Show, seconds: dict[str, float]) -> Discretisation:
     show(Progress(stage="mesh"))
-    discretisation = discretise(model)
+    with over_machines(ranks.machines):
+        discretisation = discretise(model)
     for name in ("mesh", "assemble"):
         seconds[name] += discretisation.seconds[name]
     return discretisation

@@ -43,8 +43,10 @@ class Ranks:
         self._communicator: Any = MPI.COMM_WORLD
         # It sends arrays without a copy, and of more than 2 GB.
         self._sending: Any = pkl5.Intracomm(MPI.COMM_WORLD)
-        beside = MPI.COMM_WORLD.Split_type(MPI.COMM_TYPE_SHARED).size
-        os.environ.setdefault("RAYON_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // beside)))
+        beside = MPI.COMM_WORLD.Split_type(MPI.COMM_TYPE_SHARED)
+        self.machines = int(MPI.COMM_WORLD.allreduce(int(beside.rank == 0)))
+        """Number of machines on which the processes run."""
+        os.environ.setdefault("RAYON_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // beside.size)))
 
     @property
     def rank(self) -> int:
