@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, report, import-dxf, schema."""
+"""The command line: solve, check, path, report, verify, study, import-dxf, schema, explain."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
@@ -498,21 +498,52 @@ def import_dxf(
 
 
 @app.command(
-    short_help="Print the JSON Schema of the input file.", epilog="Example: signorini schema > signorini.schema.json"
+    short_help="Print the JSON Schema of the input file or of results.json.",
+    epilog="Example: signorini schema > signorini.schema.json",
 )
-def schema() -> None:
-    """Print the JSON Schema of the input file, for completion and checks in editors."""
+def schema(
+    results: Annotated[bool, typer.Option("--results", help="The schema of results.json.")] = False,
+) -> None:
+    """Print the JSON Schema of the input file, for completion and checks in editors, or that of results.json."""
     with _messages():
-        try:
-            # An output that is cut off is an error here, because no file has the schema.
-            sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
-            sys.stdout.flush()
-        except BrokenPipeError:
-            streams.discard(sys.stdout)
-            raise typer.Exit(1) from None
-        except OSError as error:
-            streams.discard(sys.stdout)
-            raise SignoriniError(f"the schema cannot be written to standard output: {error.strerror}.") from None
+        _print_json(signorini.results_schema() if results else signorini.schema())
+
+
+@app.command(
+    short_help="Explain a key of the input or of results.",
+    epilog="Examples: signorini explain support.gap; signorini explain soil.max_pressure; signorini explain InputError",
+)
+def explain(
+    key: Annotated[
+        str, typer.Argument(metavar="KEY", help="A key, a number, a column or an error.", show_default=False)
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Explain a key of the input file, a key, number or column of results, or an error: meaning, unit, allowed values.
+
+    A key may be a path or its end, such as support.gap or gap.
+    """
+    with _messages():
+        from signorini.cli.explanations import print_explanations
+
+        found = signorini.explain(key)
+        if as_json:
+            _print_json([asdict(one) for one in found])
+        else:
+            print_explanations(streams.stdout(), found)
+
+
+def _print_json(value: object) -> None:
+    """Print a value as JSON. An output that is cut off is an error here, because no file has the value."""
+    try:
+        sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False) + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        streams.discard(sys.stdout)
+        raise typer.Exit(1) from None
+    except OSError as error:
+        streams.discard(sys.stdout)
+        raise SignoriniError(f"the JSON cannot be written to standard output: {error.strerror}.") from None
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
