@@ -1,0 +1,71 @@
+"""Release: one version and date in all files, licences of all crates, and dependencies of the recipe."""
+
+import json
+import re
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import signorini
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+CITATION, RECIPE, LICENCES, CHANGES = (
+    (ROOT / name).read_text("utf-8")
+    for name in ("CITATION.cff", "recipe/recipe.yaml", "THIRDPARTY.yml", "CHANGELOG.md")
+)
+CODEMETA = json.loads((ROOT / "codemeta.json").read_text("utf-8"))
+CONDA = {"matplotlib": "matplotlib-base"}
+"""Packages with another name on conda-forge."""
+
+
+def given(pattern: str, text: str) -> str:
+    found = re.search(pattern, text, re.MULTILINE)
+    assert found is not None, pattern
+    return found[1]
+
+
+def test_every_file_has_the_version_of_the_program_and_the_date_of_the_changelog() -> None:
+    version = signorini.__version__
+    assert tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"] == version
+    assert (
+        given(r"^version: (.*)$", CITATION) == CODEMETA["version"] == given(r'^  version: "(.*)"$', RECIPE) == version
+    )
+    date = given(rf"^## \[{re.escape(version)}\] - (\d{{4}}-\d{{2}}-\d{{2}})$", CHANGES)
+    assert given(r"^date-released: (.*)$", CITATION) == CODEMETA["datePublished"] == date
+
+
+def test_the_recipe_has_the_dependencies_of_the_package() -> None:
+    listed = re.findall(r"^    - (\S+) >=(\S+)$", RECIPE.partition("  run:")[2], re.MULTILINE)
+    wanted = [re.fullmatch(r"([\w-]+)>=([\d.]+)", one) for one in PROJECT["dependencies"]]
+    assert listed == [(CONDA.get(one[1], one[1]), one[2]) for one in wanted if one]
+    assert None not in wanted
+
+
+@pytest.mark.skipif(shutil.which("cargo") is None, reason="needs cargo")
+def test_the_licences_are_those_of_every_crate_in_a_wheel() -> None:
+    tree = [
+        "cargo",
+        "tree",
+        "--package",
+        "signorini-python",
+        "--edges",
+        "normal",
+        "--target",
+        "all",
+        "--prefix",
+        "none",
+    ]
+    listed = subprocess.run([*tree, "--locked"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    crates = {(name, version) for name, version in re.findall(r"^(\S+) v(\S+)", listed, re.MULTILINE)}
+    names = re.findall(r"^- package_name: (.*)\n  package_version: (.*)$", LICENCES, re.MULTILINE)
+    assert {crate for crate in crates if not crate[0].startswith("signorini")} <= set(names)
+    assert "NOT FOUND" not in LICENCES
+
+
+def test_the_package_carries_the_licences() -> None:
+    assert PROJECT["license-files"] == ["LICENSE-MIT", "LICENSE-APACHE", "THIRDPARTY.yml"]
+    assert all((ROOT / name).exists() for name in PROJECT["license-files"])
