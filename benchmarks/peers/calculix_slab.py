@@ -37,11 +37,12 @@ def deck(grid: Grid, springs: dict[int, float]) -> Iterator[str]:
     by_stiffness: dict[float, list[int]] = {}
     for node, stiffness in springs.items():
         by_stiffness.setdefault(round(stiffness, 3), []).append(node)
-    number = len(grid.elements)
+    last = len(grid.elements)
     for index, (stiffness, nodes) in enumerate(by_stiffness.items()):
         yield f"*ELEMENT, TYPE=SPRING1, ELSET=SPRINGS{index}"
-        for number, node in enumerate(nodes, start=number + 1):
-            yield f"{number}, {node + 1}"
+        for node in nodes:
+            last += 1
+            yield f"{last}, {node + 1}"
         # A number without a decimal point is a dof, one with a decimal point is a stiffness.
         yield from (f"*SPRING, ELSET=SPRINGS{index}", "3", f"{stiffness:.9e}")
     # The springs hold vertical motions only.
