@@ -2,9 +2,11 @@
 
 import json
 import re
+import runpy
 import shutil
 import subprocess
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -69,3 +71,47 @@ def test_the_licences_are_those_of_every_crate_in_a_wheel() -> None:
 def test_the_package_carries_the_licences() -> None:
     assert PROJECT["license-files"] == ["LICENSE-MIT", "LICENSE-APACHE", "THIRDPARTY.yml"]
     assert all((ROOT / name).exists() for name in PROJECT["license-files"])
+
+
+FILES = {
+    "signorini/_core.abi3.so": b"needs GLIBC_2.17",
+    **dict.fromkeys(("signorini/py.typed", "signorini/output/schema.toml"), b""),
+    **dict.fromkeys((f"signorini-0.1.0.dist-info/{name}" for name in PROJECT["license-files"]), b""),
+}
+TAG = "cp311-abi3-musllinux_1_2_x86_64"
+
+
+@pytest.mark.parametrize(
+    ("tag", "change", "found"),
+    [
+        (TAG, {}, ""),
+        ("cp311-cp311-musllinux_1_2_x86_64", {}, "stable ABI"),
+        (TAG, {"signorini/second.so": b""}, "one library"),
+        (TAG, {"signorini-0.1.0.dist-info/THIRDPARTY.yml": None}, "contains THIRDPARTY.yml"),
+        (TAG, {"signorini/large": bytes(7_000_000)}, "size 7.0 MB"),
+        ("cp311-abi3-manylinux_2_17_x86_64", {"signorini/_core.abi3.so": b"GLIBC_2.35"}, "needs glibc 2.35"),
+    ],
+)
+def test_a_wheel_that_is_not_as_it_must_be_is_refused(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tag: str,
+    change: dict[str, bytes | None],
+    found: str,
+) -> None:
+    wheel = tmp_path / f"signorini-0.1.0-{tag}.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for name, content in (FILES | change).items():
+            if content is not None:
+                archive.writestr(name, content)
+    module = runpy.run_path(str(ROOT / ".ci" / "wheel.py"))
+    monkeypatch.setitem(module["check_content"].__globals__, "check_linked", lambda library: None)
+    if found:
+        with pytest.raises(SystemExit):
+            module["check_content"](wheel, None)
+        last = capsys.readouterr().out.splitlines()[-1]
+        assert last.startswith("ERROR") and found in last
+    else:
+        module["check_content"](wheel, None)
+        assert "ERROR" not in capsys.readouterr().out

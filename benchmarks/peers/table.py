@@ -39,7 +39,7 @@ HEADS = {
 
 
 def solved(program: str, case: str, elements: int) -> dict[str, Any] | str:
-    """Figures of a case by a program, or the reason why there are none."""
+    """Figures of a case by a program, or the message of a missing program or a failure."""
     script, python = PROGRAMS[program]
     if shutil.which(python) is None:
         return f"{python} does not exist."
