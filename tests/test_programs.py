@@ -17,6 +17,7 @@ from slab_on_pads import SLAB
 import signorini
 from signorini.cli import interrupts
 from signorini.output import results_json
+from signorini.output.load_path import path_json
 from signorini.results.quantities import BY_LIST, FIELDS
 
 ROOT = Path(__file__).parents[1]
@@ -35,13 +36,55 @@ def strict(node: Any) -> Any:
     return [strict(one) for one in node] if isinstance(node, list) else node
 
 
-STRICT = jsonschema.Draft202012Validator(strict(SCHEMA))
+STRICT, STRICT_PATH = (
+    jsonschema.Draft202012Validator(strict(schema)) for schema in (SCHEMA, signorini.results_schema("path.json"))
+)
+CHECKS = """
+[[check]]
+name = "w"
+of = "deflection"
+limit = 0.01
+[[check]]
+name = "m"
+of = "mx"
+limit = 100
+[[check]]
+name = "pad"
+of = "pads[1].reaction"
+limit = 50
+[[section]]
+name = "cut"
+line = [[2, 0], [2, 4]]
+[[strip]]
+name = "strip"
+line = [[0, 2], [4, 2]]
+width = 1
+"""
+TWO = """
+material = { E = 30e6, nu = 0.2 }
+plates.upper = { shape = "rectangle", size = [2, 2], thickness = 0.2, mesh = { divisions = [4, 4] } }
+plates.lower = { shape = "rectangle", size = [2, 2], thickness = 0.3, mesh = { divisions = [4, 4] } }
+support = [{ name = "soil", plate = "lower", area = "all", resists = "down", stiffness = 1e4 }]
+contact = [{ name = "joint", between = ["upper", "lower"], area = "all", stiffness = 1e6 }]
+load = [{ case = "G", plate = "upper", pressure = 5 }, { case = "Q", plate = "upper", force = 10, at = [1.9, 1.9] }]
+combination = [{ name = "service", factors = { G = 1, Q = 1 } }]
+"""
 
 
-def test_the_schema_of_results_is_draft_2020_12_and_printed_by_the_command() -> None:
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
-    done = run("schema", "--results")
-    assert done.exit_code == 0 and json.loads(done.stdout) == SCHEMA
+@pytest.mark.parametrize(("option", "file"), [("--results", "results.json"), ("--path", "path.json")])
+def test_the_schema_of_results_is_draft_2020_12_and_printed_by_the_command(option: str, file: Any) -> None:
+    schema = signorini.results_schema(file)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    done = run("schema", option)
+    assert done.exit_code == 0 and json.loads(done.stdout) == schema
+
+
+@pytest.mark.parametrize("text", [SLAB, SLAB + CHECKS, TWO], ids=["slab", "checks", "two plates"])
+@pytest.mark.parametrize("events", ["named", "all"])
+def test_a_path_has_the_keys_of_the_schema_and_no_others(text: str, events: Any) -> None:
+    steps: Any = {"steps": 3} if events == "named" else {}
+    followed = signorini.path(signorini.loads(text), "G", "Q", until=3, events=events, **steps)
+    STRICT_PATH.validate(path_json(followed, signorini.estimate(followed) if events == "named" else None))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -100,9 +143,8 @@ def says(node: Any) -> bool:
 
 def test_every_key_of_results_is_documented() -> None:
     text = "".join((ROOT / "docs" / name).read_text("utf-8") for name in ("results.md", "quantities.md"))
-    every = {
-        key for node in nodes(SCHEMA) for key in node.get("properties", {}) if isinstance(node["properties"], dict)
-    }
+    schemas = SCHEMA, signorini.results_schema("path.json")
+    every = {key for schema in schemas for node in nodes(schema) for key in node.get("properties", {})}
     words = set(re.findall(r"\w+", text))
     assert {key for key in every if key not in words and not re.match("max_|min_|.*_limit$", key)} == set()
 
@@ -138,7 +180,7 @@ def test_explanations_are_those_of_the_schemas() -> None:
     assert (gap.meaning, gap.default, gap.allowed) == (node["description"], json.dumps(node["default"]), "≥ 0")
     (thickness,) = signorini.explain("plate.thickness")
     assert (thickness.default, thickness.allowed) == ("required", "> 0")
-    assert {one.source for one in signorini.explain("gap")} == {"input file", "results.json"}
+    assert {one.source for one in signorini.explain("gap")} == {"input file", "results.json", "path.json"}
 
 
 @pytest.mark.parametrize("key", ["", ".", "foo.bar", "support.gpa"])

@@ -498,15 +498,19 @@ def import_dxf(
 
 
 @app.command(
-    short_help="Print the JSON Schema of the input file or of results.json.",
+    short_help="Print the JSON Schema of the input or of results.",
     epilog="Example: signorini schema > signorini.schema.json",
 )
 def schema(
     results: Annotated[bool, typer.Option("--results", help="The schema of results.json.")] = False,
+    along_path: Annotated[bool, typer.Option("--path", help="The schema of path.json.")] = False,
 ) -> None:
-    """Print the JSON Schema of the input file, for completion and checks in editors, or that of results.json."""
+    """Print the JSON Schema of the input file, for completion and checks in editors, or that of a file of results."""
     with _messages():
-        _print_json(signorini.results_schema() if results else signorini.schema())
+        if along_path:
+            _print_json(signorini.results_schema("path.json"))
+        else:
+            _print_json(signorini.results_schema() if results else signorini.schema())
 
 
 @app.command(

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from signorini.base.arguments import checked
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError, unknown
@@ -29,7 +30,7 @@ class Explanation:
     keys : tuple of str
         Paths of the key, such as ``"support.gap"``; in results.json with [] for lists and NAME for names.
     source : str
-        "input file", "results.json" or "error".
+        "input file", "results.json", "path.json" or "error".
     meaning : str
         Description.
     type : str
@@ -82,7 +83,8 @@ def explain(key: str) -> tuple[Explanation, ...]:
     """
     entries = [*_entries()]
     parts = tuple(re.split(r"[.:]", re.sub(r"\[[^\[\]]*\]", "", key.strip("[] "))))
-    found = [one for one in entries if _same(parts, one.parts)] if all(parts) else []
+    # The path of a key of the input is no other key's end: "support" is not governing_reactions[].support.
+    found = [one for one in entries if _same(parts, one.parts) and one.explanation.source == "input file"]
     if not found and all(parts):
         found = [one for one in entries if _same(parts, one.parts[-len(parts) :]) or parts == (one.name,)]
     found = found or _owned(parts[0], parts[-1], entries) or _owned(parts[-1], parts[0], entries)
@@ -123,7 +125,7 @@ class _Entry:
 
 
 def _entries() -> Iterator[_Entry]:
-    """Yield all keys: those of the input file, those of results.json, and the errors."""
+    """Yield all keys: those of the input file, of results.json and of path.json, and the errors."""
     for path, node, required in _walk(body := schema(), "", body["$defs"], frozenset()):
         shown = node.get("default")
         default = (
@@ -133,11 +135,13 @@ def _entries() -> Iterator[_Entry]:
             path.replace("[]", ""),
             Explanation((), "input file", node["description"], types(node), "", allowed(node), default, "docs/keys.md"),
         )
-    for path, node, _ in _walk(body := results_schema(), "", body["$defs"], frozenset()):
-        name = node.get("name", "")
-        page = "docs/quantities.md" if name else "docs/results.md"
-        said, unit = node.get("description", ""), node.get("unit", "")
-        yield _Entry(path, Explanation((), "results.json", said, types(node), unit, "", "", page), name)
+    files: tuple[Literal["results.json", "path.json"], ...] = ("results.json", "path.json")
+    for file in files:
+        for path, node, _ in _walk(body := results_schema(file), "", body["$defs"], frozenset()):
+            name = node.get("name", "")
+            page = "docs/quantities.md" if name else "docs/results.md"
+            said, unit = node.get("description", ""), node.get("unit", "")
+            yield _Entry(path, Explanation((), file, said, types(node), unit, "", "", page), name)
     for kind in _ERRORS:
         meaning = (kind.__doc__ or "").split("\n")[0].replace("`", "")
         exits = f"exit code {kind.exit_code}"

@@ -1,15 +1,19 @@
-"""JSON Schema of results.json: keys from schema.toml, numbers from the registry of quantities."""
+"""JSON Schemas of results.json and path.json: keys from schema.toml, numbers from the registry of quantities."""
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+from signorini.base import arguments
 from signorini.base.arguments import checked
 from signorini.model.whole import Units
+from signorini.output.load_path import SCHEMA as PATH_SCHEMA
+from signorini.output.names import JSON, PATH_JSON
 from signorini.output.tables import SCHEMA
 from signorini.results import quantities
 from signorini.results.quantities import (
@@ -36,6 +40,8 @@ _TYPES: Mapping[str, Node] = {
     "any": {},
 }
 _SUFFIXES = re.compile(r"\[\]|\{\}|\?|\(.*\)")
+_ROOTS = {JSON: ("results", SCHEMA), PATH_JSON: ("path", PATH_SCHEMA)}
+"""Table of schema.toml, and version, of each file."""
 _SIDES = {"max": "largest", "min": "smallest"}
 
 
@@ -51,11 +57,15 @@ def _groups() -> dict[str, Iterable[Quantity]]:
 
 
 @checked
-def results_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of results.json, for programs that read results.
+def results_schema(file: Literal["results.json", "path.json"] = JSON) -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a file of results, for programs that read it.
 
     A number has the keywords ``name``, its name in tables and thresholds, and ``unit``, with L for length and F for
     force. Keys may be added in later versions, so that the schema allows other keys.
+
+    Parameters
+    ----------
+    file : {"results.json", "path.json"}
 
     Returns
     -------
@@ -66,21 +76,36 @@ def results_schema() -> dict[str, Any]:
     >>> results_schema()["$defs"]["support"]["properties"]["max_pressure"]
     {'type': ['number', 'null'], 'description': 'max pressure, positive up', 'unit': 'F/L²', 'name': 'max_pressure'}
     """
+    arguments.known(file, tuple(_ROOTS), "file", "file", "This function")
     tables = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
     pressures = {f"{kind}contact_pressure": PRESSURE for kind in ("", "rigid_")}
+    peaking = {name: FIELDS[name] for name in PEAKING}
     definitions = {
         **{name: _object(table, tables) for name, table in tables.items()},
-        "fields": _fields("field", {name: FIELDS[name] for name in PEAKING}),
+        "fields": _fields("field", peaking),
+        "stop_fields": _fields("stop_field", peaking),
         "envelope_fields": _fields("envelope_field", {**FIELDS, "reaction": OF_POINTS[0], **pressures}),
     }
-    body = definitions.pop("results")
-    body["properties"]["schema"]["const"] = SCHEMA
+    root, version = _ROOTS[file]
+    body = definitions[root]
+    body["properties"]["schema"]["const"] = version
+    named = _used(body, definitions)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Results of signorini",
+        "title": f"{file} of signorini",
         **body,
-        "$defs": definitions,
+        "$defs": {name: node for name, node in definitions.items() if name in named},
     }
+
+
+def _used(node: Node, definitions: Mapping[str, Node]) -> set[str]:
+    """Names of the definitions that a schema refers to, directly or not."""
+    found, waiting = set[str](), [node]
+    while waiting:
+        new = set(re.findall(r"#/\$defs/(\w+)", json.dumps(waiting.pop()))) - found
+        found |= new
+        waiting += [definitions[name] for name in new]
+    return found
 
 
 def _fields(definition: str, of: Mapping[str, Quantity]) -> Node:
