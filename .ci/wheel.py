@@ -49,10 +49,11 @@ def check_content(wheel: Path, floor: str | None) -> None:
         if platform.system() == "Linux" and "manylinux" in wheel.name:
             with tempfile.TemporaryDirectory() as place:
                 check_linked(Path(files.extract(found[0], place)))
-    needed = max([(0, 0), *((int(a), int(b)) for a, b in re.findall(rb"GLIBC_(\d+)\.(\d+)", binary))])
-    allowed = floor or ".".join(next(iter(re.findall(r"manylinux_(\d+)_(\d+)", wheel.name)), ("0", "0")))
-    bound = tuple(int(part) for part in allowed.split("."))
-    check(needed <= bound or "manylinux" not in wheel.name, f"needs glibc {needed[0]}.{needed[1]}, at most {allowed}")
+    tag = re.search(r"manylinux_(\d+)_(\d+)", wheel.name)
+    if allowed := floor or (tag and f"{tag[1]}.{tag[2]}"):
+        needed = max([(0, 0), *((int(a), int(b)) for a, b in re.findall(rb"GLIBC_(\d+)\.(\d+)", binary))])
+        bound = tuple(int(part) for part in allowed.split("."))
+        check(needed <= bound, f"needs glibc {needed[0]}.{needed[1]}, at most {allowed}")
 
 
 def check_linked(library: Path) -> None:

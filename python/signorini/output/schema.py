@@ -57,7 +57,7 @@ def _groups() -> dict[str, Iterable[Quantity]]:
 
 
 @checked
-def results_schema(file: Literal["results.json", "path.json"] = JSON) -> dict[str, Any]:
+def results_schema(file: Literal["results.json", "path.json"] = "results.json") -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a file of results, for programs that read it.
 
     A number has the keywords ``name``, its name in tables and thresholds, and ``unit``, with L for length and F for
