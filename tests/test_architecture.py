@@ -30,6 +30,7 @@ LAYERS = (
     {"output"},
     {"reports"},
     {"studies"},
+    {"sensitivities"},
     {"__init__"},
     {"importers"},
     {"cli"},
