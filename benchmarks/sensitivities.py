@@ -4,8 +4,8 @@ The plates are those of random_laws.py, with constant gaps, a probe and a sectio
 several plates. For up to six parameters of each plate, all numbers of the result are compared. The judge solves the
 contact problem anew at four values of the parameter (differences of fourth order), with a step at which the contact
 state stays. Derivatives must agree to 1e-6 of the largest number or derivative of the same kind, both for a change of
-the parameter by its reference size. A difference that changes by more than 1e-7 with half the step judges nothing; it
-is counted.
+the parameter by its reference size. A difference that changes by more than 1e-7 with half the step is counted,
+and not compared.
 
 The range in which no point changes its piece is compared with the contact states of new solutions 2 % inside and 2 %
 outside of its nearer end. Ends farther than 0.001 of the reference size are compared for loads, gaps and settlements
@@ -46,7 +46,8 @@ _STEPS = (2e-3, 2e-4, 2e-5)
 """Steps of the differences, relative to the parameter's reference size; the first that keeps the contact state."""
 _PARAMETERS = 6
 _NEAR = 1e-3
-"""Distance of an end of a range, relative to the reference size, up to which first order predicts the end to 2 %."""
+"""Largest distance of compared ends from the parameter, relative to the reference size; first order is then accurate
+to 2 %."""
 _LINEAR = ("gap", "settlement", "pressure", "force", "moment")
 Tables = dict[str, Any]
 

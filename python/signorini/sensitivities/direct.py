@@ -252,8 +252,10 @@ class Direct:
         with self._reuse:
             found = base if model is base.model else discretise(model, [plate.own.mesh for plate in base.members])
         _require_alike(one, base, found)
-        problem = tightened_by(unfactored(found), combination.factors or {}, lambda now: None)
-        return _Variant(problem.discretisation, combination, problem.discretisation.load(combination))
+        factors = combination.factors or {}
+        if found.model.round_factors(factors):
+            found = tightened_by(unfactored(found), factors, lambda now: None).discretisation
+        return _Variant(found, combination, found.load(combination))
 
     def _result(self, variant: _Variant, answer: Answer) -> Result:
         given = variant.found, variant.combination, self.methods, variant.load, answer, self.certificate
@@ -306,7 +308,7 @@ def _require_alike(one: Parameter, base: Discretisation, other: Discretisation) 
 
     same = np.array_equal(base.mesh.points, other.mesh.points) and np.array_equal(base.held.dofs, other.held.dofs)
     if not (same and alike(base.contacts, other.contacts) and alike(base.springs, other.springs)):
-        why = "another value moves the mesh, or changes the kind of a support, as a gap does where it was 0 both ways"
+        why = 'another value moves the mesh or changes the kind of a support, as a gap above 0 with resists = "both"'
         raise InputError(f"{why}.", one.path)
 
 
