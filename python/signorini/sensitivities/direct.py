@@ -5,14 +5,14 @@ du/dp, which solves the same equations with the right-hand side ∂r/∂p: one s
 number y(u, λ; p) of the result then has the derivative of y along this direction. The range in which all points stay on
 their pieces needs du/dp for each parameter too, so that an adjoint solution for each number would save no solve.
 
-∂r/∂p and the derivative of y are central differences over a step of 10⁻⁴ of the parameter, with u, λ and pieces fixed
+∂r/∂p and the derivative of y are differences over small steps of the parameter, with pieces fixed, and with u, λ fixed
 or moved along the direction. They have no error from a change of the contact state.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -37,19 +37,32 @@ from signorini.results.result import Result
 from signorini.results.sensitivity import Derivative, Sensitivity
 from signorini.sensitivities.parameters import Input, Parameter
 
-STEP = 1e-4
-"""Step of central differences, relative to the parameter or its reference size.
 
-Differences of cubic terms, as of thickness, have a relative error of STEP²/3.
-"""
-_STENCILS = {(-1, 1): (0.0, -0.5, 0.5), (1, 2): (-1.5, 2.0, -0.5), (-2, -1): (1.5, 0.5, -2.0)}
-"""Weights of the values at 0 and at two offsets in a first derivative of second order, by offsets in steps.
+@dataclass(frozen=True)
+class _Stencil:
+    """Finite differences: a step relative to a parameter's reference size, and weights of values by offset in steps."""
 
-One-sided offsets are for parameters at the end of their range, such as a gap of 0.
+    step: float
+    weights: Mapping[int, float]
+
+    def rate(self, values: Mapping[int, Floats]) -> Floats:
+        """Derivative of values (k,), given by offset."""
+        return np.asarray(sum(weight * values[offset] for offset, weight in self.weights.items()) / self.step)
+
+
+_CENTRAL, _FORWARD = {-1: -0.5, 1: 0.5}, {0: -1.5, 1: 2.0, 2: -0.5}
+_BACKWARD = {-offset: -weight for offset, weight in _FORWARD.items()}
+_FOURTH_ORDER = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
+_LINEAR = tuple(_Stencil(1e-5, weights) for weights in (_CENTRAL, _FORWARD, _BACKWARD))
+"""Stencils for parameters on which the state depends linearly: loads, gaps, settlements, preloads.
+
+The one-sided ones are for parameters at the end of their range, such as a gap of 0.
 """
+_STIFF = (_Stencil(2e-4, _FOURTH_ORDER), *(_Stencil(1e-5, weights) for weights in (_FORWARD, _BACKWARD)))
+"""Stencils for parameters of stiffness; with larger steps, the rounding of the element matrices counts less."""
 _KINK, _LEAST_KINK = 0.02, 0.01
-"""Least second difference of a kink, relative to the first differences, and relative to STEP times the largest number
-of its kind."""
+"""Least second difference of a kink, relative to the first differences, and relative to the step times the largest
+number of its kind."""
 _AT_END = 1e-12
 """Distance from the end of a piece that counts as zero, relative to the reference force or travel of the point."""
 _REACHED = 1e-7
@@ -176,53 +189,48 @@ class Direct:
         return self._found[one]
 
     def _rates(self, one: Parameter) -> _Rates:
-        size = self._size(one)
-        offsets, variants = self._variants(one, size)
-        weights, answer, free = _STENCILS[offsets], self.answer, ~self.base.found.held.dofs
-
-        def rate(base: Floats, others: Sequence[Floats]) -> Floats:
-            return np.asarray(sum(w * y for w, y in zip(weights, (base, *others), strict=True)) / STEP)
+        size, answer, base = self._size(one), self.answer, self.base.found
+        stencil, variants = self._variants(one, size)
 
         def posed(variant: _Variant) -> tuple[Floats, Floats, Floats]:
             """Residual (3n,) at the present u, offsets (m,) of rigid points, values of held dofs (3n,)."""
             found, state = variant.found, _state(variant.found, answer.piece, answer.hi, answer.lo, answer.reaction)
             left = found.plate.residual(found.springs.arrays, variant.load.nodal, answer.hi, answer.lo)
-            return np.where(free, left - found.contact_rows.T @ state.line, 0.0), state.offset, found.held.values
+            left = np.where(base.held.dofs, 0.0, left - found.contact_rows.T @ state.line)
+            return left, state.offset, found.held.values
 
-        each = zip(posed(self.base), *map(posed, variants), strict=True)
-        force, offset, held = (rate(base, others) for base, *others in each)
-        points, values = self.base.found.contacts, self.base.found.held.values
+        each = {offset: posed(variant) for offset, variant in variants.items()}
+        force, shift, held = (stencil.rate({offset: parts[i] for offset, parts in each.items()}) for i in range(3))
         try:
-            moved = self.problem.core.with_distance(points.distance + offset).solve_on(
-                self.base.load.nodal + force, values + held, answer.piece
+            moved = self.problem.core.with_distance(base.contacts.distance + shift).solve_on(
+                self.base.load.nodal + force, base.held.values + held, answer.piece
             )
         except RuntimeError:
             raise InputError("the pieces of the contact points alone do not hold the plate.", one.path) from None
         du, reaction = (moved.hi - answer.hi) + (moved.lo - answer.lo), moved.reaction - answer.reaction
-        numbers, margins = list[Floats](), list[Floats]()
-        for offset_, variant in zip(offsets, variants, strict=True):
-            hi = answer.hi + offset_ * STEP * du
-            lo = answer.lo + ((answer.hi - hi) + offset_ * STEP * du)
-            state = _state(variant.found, answer.piece, hi, lo, answer.reaction + offset_ * STEP * reaction)
-            along = replace(
-                answer, hi=hi, lo=lo, reaction=state.reaction, shared=state.reaction, gap=state.gap, solution=None
-            )
-            numbers.append(self._result(variant, along).numbers)
-            margins.append(state.margins)
-        base = self.result.numbers
-        valid, leaves = self._valid(one, size, weights, margins)
-        return _Rates(size, rate(base, numbers), self._kinks(offsets, base, numbers), valid, leaves)
+        numbers, margins = {0: self.result.numbers}, dict[int, Floats]()
+        for offset, variant in variants.items():
+            part = offset * stencil.step
+            hi = answer.hi + part * du
+            lo = answer.lo + ((answer.hi - hi) + part * du)
+            state = _state(variant.found, answer.piece, hi, lo, answer.reaction + part * reaction)
+            own = {"hi": hi, "lo": lo, "reaction": state.reaction, "shared": state.reaction, "gap": state.gap}
+            if offset:
+                numbers[offset] = self._result(variant, replace(answer, **own, solution=None)).numbers
+            margins[offset] = state.margins
+        valid, leaves = self._valid(one, size, stencil, margins)
+        return _Rates(size, stencil.rate(numbers), self._kinks(stencil, numbers), valid, leaves)
 
-    def _kinks(self, offsets: tuple[int, int], base: Floats, others: Sequence[Floats]) -> Bools:
+    def _kinks(self, stencil: _Stencil, numbers: Mapping[int, Floats]) -> Bools:
         """Mask (k,) of numbers whose slopes on both sides of the middle of three values differ."""
-        by_offset = dict(zip((0, *offsets), (base, *others), strict=True))
-        low, middle, high = (by_offset[offset] for offset in sorted(by_offset))
-        second, first = np.abs(low - 2.0 * middle + high), np.abs(middle - low) + np.abs(high - middle)
+        middle = min(max(0, min(numbers) + 1), max(numbers) - 1)
+        low, here, high = (numbers[middle + offset] for offset in (-1, 0, 1))
+        second, first = np.abs(low - 2.0 * here + high), np.abs(here - low) + np.abs(high - here)
         kinds = np.array([number.quantity.kind for number in self.result.catalogue.numbers])
-        size = np.abs(np.nan_to_num(base))
+        size = np.abs(np.nan_to_num(numbers[0]))
         largest = {kind: size[kinds == kind].max() for kind in np.unique(kinds).tolist()}
         least = np.array([largest[kind] for kind in kinds.tolist()])
-        return np.asarray((second > _KINK * first) & (second > _LEAST_KINK * STEP * least))
+        return np.asarray((second > _KINK * first) & (second > _LEAST_KINK * stencil.step * least))
 
     def _size(self, one: Parameter) -> float:
         """Reference size of a parameter: its value or, where it may be 0, at least the size of similar quantities."""
@@ -235,12 +243,13 @@ class Direct:
         size = force ** exponents[0] * length ** exponents[1] if any(exponents) else 0.1
         return max(abs(one.value), size) or 1.0
 
-    def _variants(self, one: Parameter, size: float) -> tuple[tuple[int, int], list[_Variant]]:
-        """Offsets in steps, and the variants there; on one side if the input refuses values on the other side."""
+    def _variants(self, one: Parameter, size: float) -> tuple[_Stencil, dict[int, _Variant]]:
+        """Stencil, and the variants at its offsets; on one side if the input refuses values on the other side."""
         refused: InputError | None = None
-        for offsets in _STENCILS:
+        for stencil in _LINEAR if one.is_linear else _STIFF:
             try:
-                return offsets, [self._variant(one, one.value + offset * STEP * size) for offset in offsets]
+                values = {offset: one.value + offset * stencil.step * size for offset in stencil.weights}
+                return stencil, {at: self._variant(one, value) if at else self.base for at, value in values.items()}
             except InputError as error:
                 refused = refused or error
         assert refused is not None
@@ -273,20 +282,19 @@ class Direct:
         return np.where(state.margins <= _AT_END * sizes, 0.0, state.margins), sizes
 
     def _valid(
-        self, one: Parameter, size: float, weights: tuple[float, float, float], others: Sequence[Floats]
+        self, one: Parameter, size: float, stencil: _Stencil, margins: Mapping[int, Floats]
     ) -> tuple[tuple[float, float], bool]:
         """Range in which every margin (2, m) is positive to first order, and whether a point leaves its piece at once.
 
-        ``others`` are the margins at the two offsets.
+        ``margins`` are those at the offsets of the stencil.
         """
         own, sizes = self._margins
         finite = np.isfinite(own)
-        margins = [np.where(finite, each, 0.0) for each in (own, *others)]
-        slope = sum(w * margin for w, margin in zip(weights, margins, strict=True)) / STEP
-        at_end = finite & (margins[0] == 0.0)
+        slope = stencil.rate({offset: np.where(finite, each, 0.0) for offset, each in margins.items()})
+        at_end = finite & (own == 0.0)
         leaves = bool((at_end & (np.abs(slope) > _REACHED * sizes)).any())
         moving = finite & ~at_end & (np.abs(slope) > _STILL * sizes)
-        steps = -margins[0][moving] / slope[moving]
+        steps = -own[moving] / slope[moving]
         low, high = steps[steps < 0.0].max(initial=-np.inf), steps[steps > 0.0].min(initial=np.inf)
         first = one.value + size * low
         if one.is_positive or (one.value >= 0.0 and "gap" in one.place):

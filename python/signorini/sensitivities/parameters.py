@@ -31,6 +31,8 @@ _SIGNED = frozenset(
     )
 )
 """Keys whose values may be 0 or change sign."""
+_LINEAR = _SIGNED - {"nu", "nu_xy", "D1"} | {"preload", "unit_weight", "limit"}
+"""Keys of loads, and of gaps, preloads and limits of supports."""
 _CASE = re.compile(r'case\.(?:"([^"]+)"|(.+))\.factor')
 
 
@@ -78,6 +80,11 @@ class Parameter:
     def is_positive(self) -> bool:
         """Whether the value must stay positive."""
         return any(key in _POSITIVE for key in self.place)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the state depends linearly on the value while the contact state stays."""
+        return not self.place or any(key in _LINEAR for key in self.place)
 
     @property
     def travels(self) -> bool:
