@@ -62,7 +62,7 @@ def test_simply_supported_thin_plate_deflects_by_one_over_e_and_thickness_cubed(
         load=[{"pressure": 1.0}],
         probe=[{"at": [2, 1.5]}],
     ).sensitivity("probe[1].deflection")
-    assert found.derivative("material.E").elasticity == pytest.approx(-1.0, rel=1e-8)
+    assert found.derivative("material.E").elasticity == pytest.approx(-1.0, rel=1e-6)
     assert found.derivative("plate.thickness").elasticity == pytest.approx(-3.0, rel=1e-5)
     # D ~ 1/(1 − ν²)
     assert found["material.nu"] == pytest.approx(-2 * 0.2 / (1 - 0.2**2) * found.value, rel=1e-4)

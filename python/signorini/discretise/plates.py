@@ -39,7 +39,7 @@ def discretise(model: Model, mesh: Mesh | Sequence[Mesh] | None = None) -> Discr
     ``mesh`` is the mesh of a single plate, or a list with the mesh of each plate.
     """
     made_by(model, Model, _advice(model), "model")
-    meshes = [mesh] if isinstance(mesh, Mesh) else list(mesh or ())
+    meshes: list[Mesh | None] = [mesh] if isinstance(mesh, Mesh) else list(mesh or ())
     if not model.plates:
         return discretise_plate(model, *meshes)
     parts, problems = model.parts, Problems()

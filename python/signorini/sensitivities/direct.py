@@ -125,7 +125,7 @@ class _Rates(NamedTuple):
 
     size: float
     numbers: Floats
-    kinks: Floats
+    kinks: Bools
     valid: tuple[float, float]
     leaves: bool
 
@@ -214,9 +214,9 @@ class Direct:
             hi = answer.hi + part * du
             lo = answer.lo + ((answer.hi - hi) + part * du)
             state = _state(variant.found, answer.piece, hi, lo, answer.reaction + part * reaction)
-            own = {"hi": hi, "lo": lo, "reaction": state.reaction, "shared": state.reaction, "gap": state.gap}
+            moving = replace(answer, hi=hi, lo=lo, reaction=state.reaction, shared=state.reaction, gap=state.gap)
             if offset:
-                numbers[offset] = self._result(variant, replace(answer, **own, solution=None)).numbers
+                numbers[offset] = self._result(variant, replace(moving, solution=None)).numbers
             margins[offset] = state.margins
         valid, leaves = self._valid(one, size, stencil, margins)
         return _Rates(size, stencil.rate(numbers), self._kinks(stencil, numbers), valid, leaves)

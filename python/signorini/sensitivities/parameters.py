@@ -116,7 +116,7 @@ def _at(tables: Any, place: Place) -> Any:
 
 def _number(path: str, place: Place, model: Model, tables: Mapping[str, Any]) -> float:
     """The number at a place: that of the input, or the default of the model."""
-    value = _at(tables, place)
+    value: Any = _at(tables, place)
     if value is None:
         value = model
         for key in place:
