@@ -7,7 +7,7 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -47,6 +47,7 @@ _OPTIONS = {
     "pdf": "--pdf",
     "shard": "--shard",
     "scheduler": "--scheduler",
+    "sensitivity": "--sensitivity",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """Command-line option for each argument of `signorini.path` and `read_dxf`."""
@@ -77,6 +78,14 @@ Start = Annotated[
 Until = Annotated[
     float | None,
     typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+]
+SensitivityOf = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sensitivity",
+        metavar="NAME",
+        help='Differentiate a number, such as "soil.max_pressure", with respect to all parameters; repeatable.',
+    ),
 ]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
@@ -132,6 +141,7 @@ def solve(
     ] = None,
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
+    sensitivity: SensitivityOf = None,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
@@ -155,7 +165,7 @@ def solve(
             with room_for(directory, model) as temporary, progress_line() as show:
                 table = temporary / TABLE if model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table)
+                    results, estimates = _solved(model, show, table, sensitivity or ())
                 show("writing the results")
                 write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
         except SignoriniError:
@@ -327,6 +337,7 @@ def report(
     start: Start = None,
     until: Until = None,
     no_error: NoError = False,
+    sensitivity: SensitivityOf = None,
 ) -> None:
     """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
 
@@ -342,7 +353,7 @@ def report(
             raise InputError("a load path needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
         with progress_line() as show:
-            results, estimates = _solved(model, show)
+            results, estimates = _solved(model, show, sensitivity=sensitivity or ())
             followed = None if add is None else signorini.path(model, start, add, until, show)
             show("writing the report")
             target = output if output is not None else file.with_suffix(".html")
@@ -409,12 +420,13 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
 
 
 def _solved(
-    model: signorini.Model, show: Callable[[object], None], table: Path | None = None
+    model: signorini.Model, show: Callable[[object], None], table: Path | None = None, sensitivity: Sequence[str] = ()
 ) -> tuple[signorini.Results, Estimates | None]:
-    """Solve a model and, unless ``mesh.error`` is false, estimate its mesh errors."""
+    """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
+    from signorini.analysis.results import with_sensitivities
 
-    results = signorini.solve(model, progress=show, table=table)
+    results = with_sensitivities(signorini.solve(model, progress=show, table=table), sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
 
 
