@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,6 +28,7 @@ from signorini_command import ASKED
 
 if TYPE_CHECKING:
     from signorini.analysis.estimate import Estimates
+    from signorini.mpi.engine import Engine
 
 _MAX_REASONS = 20
 """Largest number of combinations without equilibrium for which the reason is printed."""
@@ -142,6 +143,10 @@ def solve(
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
     sensitivity: SensitivityOf = None,
+    engine: Annotated[
+        Literal["embedded", "petsc"],
+        typer.Option(help="petsc: solve with PETSc and MUMPS, over all processes of mpiexec."),
+    ] = "embedded",
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
@@ -150,7 +155,7 @@ def solve(
     from signorini.plot.artist import Artist, cores
 
     without_artist = pictures == "none" or threads == 1 or cores() == 1
-    with _messages(file), nullcontext() if without_artist else Artist() as artist:
+    with _messages(file), _ranks(engine) as ranks, nullcontext() if without_artist else Artist() as artist:
         from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
@@ -158,16 +163,19 @@ def solve(
 
         if xlsx:
             package("xlsxwriter")
+        if ranks and sensitivity:
+            raise InputError("the engine petsc has no sensitivities. Take --engine embedded.", "--sensitivity")
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with room_for(directory, model) as temporary, progress_line() as show:
-                table = temporary / TABLE if model.tabulated else None
+            with _room(room_for(directory, model), ranks) as temporary, progress_line() as show:
+                table = temporary / TABLE if temporary and model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table, sensitivity or ())
+                    results, estimates = _solved(model, show, table, sensitivity or (), ranks)
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
+                draw = artist.drawn if artist else None
+                write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
@@ -420,14 +428,50 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
 
 
 def _solved(
-    model: signorini.Model, show: Callable[[object], None], table: Path | None = None, sensitivity: Sequence[str] = ()
+    model: signorini.Model,
+    show: Callable[[object], None],
+    table: Path | None = None,
+    sensitivity: Sequence[str] = (),
+    engine: Engine | None = None,
 ) -> tuple[signorini.Results, Estimates | None]:
     """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
     from signorini.analysis.results import with_sensitivities
 
-    results = with_sensitivities(signorini.solve(model, progress=show, table=table), sensitivity, show)
+    results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
+    results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
+
+
+@contextmanager
+def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
+    """Context with a room for results; with the engine petsc the room is only checked.
+
+    If a rank dies, MPI kills the others at once, so that none of them could remove a directory.
+    """
+    with room as temporary:
+        if engine is None:
+            yield temporary
+            return
+    yield None
+
+
+@contextmanager
+def _ranks(engine: str) -> Iterator[Engine | None]:
+    """Context with the engine petsc; all ranks except 0 take part in its jobs and end here. None if embedded."""
+    if engine == "embedded":
+        yield None
+        return
+    from signorini.mpi.engine import Engine
+
+    started = Engine()
+    if started.ranks.rank:
+        started.ranks.serve()
+        raise typer.Exit
+    try:
+        yield started
+    finally:
+        started.ranks.end()
 
 
 def _numbers(text: str) -> list[float]:
