@@ -31,6 +31,7 @@ extensions = ["myst_nb", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.auto
 exclude_patterns = ["_build", "made"]
 templates_path = ["_templates"]
 default_role = "py:obj"
+highlight_language = "text"
 # Docstrings name types of other libraries and of private modules, which have no page here.
 nitpick_ignore_regex = [("py:.*", ".*")]
 myst_enable_extensions = ["colon_fence"]
@@ -58,7 +59,7 @@ html_theme_options = {
     "footer_end": [],
 }
 
-_COMMAND = "# Command line\n\nThis page shows what `signorini COMMAND --help` prints.\n\n"
+_COMMAND = "# Command line\n\nThe output of `signorini COMMAND --help` for every command.\n\n"
 _BENCHMARKS = """# Benchmarks
 
 Each script of the folder `benchmarks` compares with known answers or measures ratios in one run. `--check`, where a
@@ -72,7 +73,7 @@ script has it, checks the answers without timing; continuous integration runs it
 
 def _autosummary(title: str, names: list[str]) -> str:
     listed = indent("\n".join(names), "   ")
-    directives = f".. currentmodule:: signorini\n.. autosummary::\n   :toctree: api\n\n{listed}"
+    directives = f".. currentmodule:: signorini\n.. autosummary::\n   :toctree: api\n   :nosignatures:\n\n{listed}"
     return f"## {title}\n\n```{{eval-rst}}\n{directives}\n```\n"
 
 
@@ -88,7 +89,7 @@ def _api() -> str:
         [
             "# Python names",
             "",
-            "Signatures and docstrings. [python.md](../python.md) has the same names by task, with shapes.",
+            "[python.md](../python.md) has the same names by task, with the shapes of arrays.",
             "",
             _autosummary("Functions", functions),
             _autosummary("Classes", classes),
@@ -136,6 +137,12 @@ def _write(app: Any) -> None:
             path.write_text(text, "utf-8")
 
 
+def _signature(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
+    """Return an empty signature for classes that only this package makes."""
+    return ("", None) if what == "class" and name != "signorini.Model" else None
+
+
 def setup(app: Any) -> None:
     """Write the generated pages before autosummary looks for names in them."""
     app.connect("builder-inited", _write, priority=100)
+    app.connect("autodoc-process-signature", _signature)

@@ -32,7 +32,7 @@ _LINK = re.compile(r"\]\(((?:\.\./)*(examples|made)/[^)\s]+)\)")
 
 
 class PageError(Exception):
-    """The code of a page fails, or the page shows what the code does not."""
+    """Failure of the code of a page, or a line or file on the page that the code does not give."""
 
 
 def directory(page: Path) -> Path:

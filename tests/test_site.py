@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import chromium
 
 SITE = Path(__file__).parents[1] / "docs" / "_build" / "html"
 ALL = sorted(
@@ -49,11 +48,6 @@ def address() -> Iterator[str]:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"
         server.shutdown()
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    yield from chromium()
 
 
 def test_every_page_fits_a_phone_and_a_desk_and_asks_no_other_host(browser: Any, address: str) -> None:
