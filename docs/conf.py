@@ -54,7 +54,7 @@ html_theme_options = {
     "navbar_align": "left",
     "header_links_before_dropdown": 6,
     "navigation_depth": 1,
-    "secondary_sidebar_items": ["page-toc"],
+    "secondary_sidebar_items": {"**": ["page-toc"], "quantities": []},
     "footer_start": ["copyright"],
     "footer_end": [],
 }
@@ -138,8 +138,8 @@ def _write(app: Any) -> None:
 
 
 def _signature(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
-    """Return an empty signature for classes that only this package makes."""
-    return ("", None) if what == "class" and name != "signorini.Model" else None
+    """Return a signature of a class; only this package makes most of them, and a model takes its tables."""
+    return ("(**tables)" if name == "signorini.Model" else "", None) if what == "class" else None
 
 
 def setup(app: Any) -> None:
