@@ -33,7 +33,7 @@ format:
 # Write the generated pages, then build the site
 docs:
     python docs/tables.py
-    sphinx-build -W -b html docs docs/_build/html
+    sphinx-build -nW --keep-going docs docs/_build/html
 
 # Check the answers of the benchmarks, without timing
 bench:
