@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from signorini.validation.case import Case, Number, Tables
-from signorini.validation.theory import navier, rigidity
+from signorini.validation.theory import TIMOSHENKO, Navier, rigidity, shear_factor, uniform
 
 _NU = 0.3
 _EDGES = ["left", "right", "bottom", "top"]
@@ -53,7 +53,7 @@ def cases() -> Iterator[Case]:
         "probe[3].deflection",
     )
     for h in (1e-4, 0.01, 0.1, 0.2):
-        w, m, _ = navier(1, 1, 0.5, 0.5, h, _NU)
+        w, m, _ = Navier(1, 1, _NU, uniform, shear_factor(h, _NU)).at(0.5, 0.5)
         yield _case(
             "hard",
             {"fix": "hard"},
@@ -64,7 +64,7 @@ def cases() -> Iterator[Case]:
                 Number("probe[3].mxy", "corner force 2 mxy/qa²", _CORNER, 2e-2, factor=-2, uncertainty=5e-8),
             ],
             "Double sine series of Navier with the shear strain of Mindlin (1951, J. Appl. Mech. 18, 31–38); corner "
-            "force: S. Timoshenko, S. Woinowsky-Krieger, *Theory of Plates and Shells*, 1959, art. 30, Eq. (e).",
+            f"force: {TIMOSHENKO}, art. 30.",
             "On hard edges moments do not depend on the thickness, so that all thicknesses have one corner force.",
         )
     for h, w in ((0.001, 0.00406585), (0.01, 0.00409930), (0.1, 0.00461691), (0.2, 0.00554504)):
