@@ -213,12 +213,7 @@ def _on_soil() -> Iterator[Case]:
         f"{_HETENYI}, art. 18, Eq. (51).",
         lambda n: _strip(length, n, fixed, [{"pressure": 1.0}], [half, 0.0]),
         [
-            _w(
-                1,
-                "w k/q, middle",
-                1 - 2 * (sinh(half) * cos(half) + cosh(half) * sin(half)) / twice,
-                factor=k,
-            ),
+            _w(1, "w k/q, middle", 1 - 2 * (sinh(half) * cos(half) + cosh(half) * sin(half)) / twice, factor=k),
             _m(2, "end moment M λ²/q", -(sinh(total) - sin(total)) / (2 * twice)),
         ],
         (12, 24, 48),
@@ -233,10 +228,7 @@ def _on_soil() -> Iterator[Case]:
         lambda n: _strip(
             2 * far, n, both, [{"pressure": 1.0, "area": {"rectangle": [-part, 0, part, 1]}}], [0.0], -far
         ),
-        [
-            _w(1, "w k/q", 1 - exp(-part) * cos(part), factor=k),
-            _m(1, "M λ²/q", exp(-part) * sin(part) / 2, 2e-2),
-        ],
+        [_w(1, "w k/q", 1 - exp(-part) * cos(part), factor=k), _m(1, "M λ²/q", exp(-part) * sin(part) / 2, 2e-2)],
         (48, 96, 192),
     )
 
@@ -309,10 +301,7 @@ def _lifted() -> Iterator[Case]:
         f"{_STRENGTH}, art. 38: beside the edge of the table the strip lifts over s = a√2, and M = −pa²/2 at the edge; "
         "the end sinks by p a⁴/8EI plus the slope ps³/24EI at the edge times a.",
         lambda n: _strip(2.5, n, table, [weight], [2.0, 2.5], width=_NARROW),
-        [
-            _m(1, "M/p at the edge", -moment, 2e-2),
-            _w(2, "w EI/p, end", a**4 / 8 + a * s**3 / 24, 3e-2),
-        ],
+        [_m(1, "M/p at the edge", -moment, 2e-2), _w(2, "w EI/p, end", a**4 / 8 + a * s**3 / 24, 3e-2)],
         (20, 40, 80),
     )
     s, kappa = 0.8, 0.32
@@ -326,9 +315,6 @@ def _lifted() -> Iterator[Case]:
         "H. M. Westergaard, *Analysis of stresses in concrete pavements due to variations of temperature*, Proc. HRB 6 "
         "(1926) 201–215, on a rigid floor: the flat part has M = EIκ, each end lifts over s = √(2EIκ/p) by ps⁴/8EI.",
         lambda n: _strip(4, n, floor, [weight, curl], [4.0, 2.0], width=_NARROW),
-        [
-            _w(1, "uplift −w EI/p, end", s**4 / 8, 2e-2, -1),
-            Number("probe[2].mx", "|M|/EI, middle", -kappa, 1e-2),
-        ],
+        [_w(1, "uplift −w EI/p, end", s**4 / 8, 2e-2, -1), Number("probe[2].mx", "|M|/EI, middle", -kappa, 1e-2)],
         (10, 20, 40),
     )
