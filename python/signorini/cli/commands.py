@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, report, validate, import-dxf, schema."""
+"""The command line: solve, check, path, report, study, validate, import-dxf, schema."""
 
 from __future__ import annotations
 

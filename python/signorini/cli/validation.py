@@ -24,4 +24,5 @@ def print_validation(console: Console, outcomes: Sequence[Outcome]) -> None:
     holding = sum(outcome.holds for outcome in outcomes)
     say(console, f"{holding} of {len(outcomes)} cases hold.", style="" if holding == len(outcomes) else "bold red")
     counts = summary(list(rows_of(outcomes)))
-    say(console, f"± covers the error of {counts['covered']} of {counts['known']} numbers on all meshes.")
+    own = f"{counts['covered'] - counts['alone']} with the reference's own error"
+    say(console, f"± covers the error of {counts['alone']} of {counts['known']} numbers on all meshes, {own}.")

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from math import pi
 
 import numpy as np
-import shapely
 
 from signorini import _core
 from signorini.contact.lcp import lemke
@@ -237,7 +236,7 @@ def _punching() -> Case:
 
     def numbers(n: int) -> Mapping[str, float]:
         column = Column(tuple(complex(x, y) for x, y in ((-200, -200), (200, -200), (200, 200), (-200, 200))))
-        slab = shapely.get_coordinates(shapely.box(-1e4, -1e4, 1e4, 1e4))[:-1]
+        slab = 1e4 * np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]])
         plan = Plan.of(column, [slab], 6.0 * 260.0, widened=True)
         one = Punching(plan, (260.0, 260.0), (0.0085, 0.0048), 30.0, 500.0, given=1.15)
         found = one.numbers(np.array([1204.8e3]), np.zeros(1, np.complex128), np.zeros((1, len(one.perimeters))))

@@ -15,7 +15,7 @@ from signorini import _core
 from signorini.base.files import replacing
 from signorini.base.numbers import estimated, number
 from signorini.validation.case import Case, Number
-from signorini.validation.runner import Comparison, Outcome, model_of
+from signorini.validation.runner import EXACT, Comparison, Outcome, model_of
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,15 @@ class Row:
     width: float | None
     own: float
     covered: bool | None
+
+    @property
+    def verdict(self) -> str:
+        """Whether ± covers the error, alone or with the reference's own error."""
+        if self.covered is None or self.width is None:
+            return "no limit"
+        if self.error <= self.width + EXACT:
+            return "yes"
+        return "within the reference's own error" if self.covered else "**no**"
 
 
 def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
@@ -81,12 +90,13 @@ def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
 
 
 def summary(rows: Sequence[Row]) -> dict[str, float]:
-    """Count covered half-widths; median of ± over error."""
+    """Count half-widths that cover the error, alone and with the reference's own error; median of ± over error."""
     known = [row for row in rows if row.covered is not None and row.width is not None]
-    ratios = [(row.width or 0.0) / row.error for row in known if row.error > max(row.own, 1e-9)]
+    ratios = [(row.width or 0.0) / row.error for row in known if row.error > max(row.own, EXACT)]
     return {
         "known": len(known),
         "covered": sum(bool(row.covered) for row in known),
+        "alone": sum(row.verdict == "yes" for row in known),
         "unknown": len(rows) - len(known),
         "measured": len(ratios),
         "ratio": median(ratios) if ratios else math.nan,

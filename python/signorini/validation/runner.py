@@ -16,11 +16,12 @@ from signorini.analysis.estimate import estimate
 from signorini.analysis.solve import solve
 from signorini.model import Model
 from signorini.plot.artist import cores
+from signorini.results.result import Result
 from signorini.studies.workers import Workers
 from signorini.validation.case import Case, Number
 from signorini.validation.catalogue import cases
 
-_ROUNDING = 1e-9
+EXACT = 1e-9
 """Relative error below which an error is rounding and shows no rate of convergence."""
 
 
@@ -74,7 +75,7 @@ class Comparison:
     @property
     def rate(self) -> float | None:
         """Slope of log error over log element size, through the meshes whose error exceeds the reference's own."""
-        least = max(_ROUNDING, self.number.uncertainty / self.number.magnitude)
+        least = max(EXACT, self.number.uncertainty / self.number.magnitude)
         shown = [(mesh.n, error) for mesh, error in zip(self.meshes, self.errors, strict=True) if error > least]
         if len(shown) < 2 or self.number.differs:
             return None
@@ -87,7 +88,7 @@ class Comparison:
         size, result = self.number.magnitude, list[bool | None]()
         for error, width in zip(self.errors, self.widths, strict=True):
             unknown = width is None or math.isnan(width) or bool(self.number.differs)
-            reach = 0.0 if width is None else width + self.number.uncertainty + _ROUNDING * size
+            reach = 0.0 if width is None else width + self.number.uncertainty + EXACT * size
             result.append(None if unknown else error * size <= reach)
         return result
 
@@ -133,15 +134,17 @@ def _solve(case: Case, n: int) -> Solved:
         values = tuple(number.factor * float(found[number.name]) for number in case.numbers)
         return Solved(n, n, values, (math.nan,) * len(values), time.perf_counter() - begun)
     result = solve(model_of(case, n))["all"]
-    places = [result.catalogue.by_name[number.name] for number in case.numbers]
     widths = estimate(result).widths
-    return Solved(
-        n,
-        len(result.mesh.elements),
-        tuple(number.factor * float(result.numbers[at]) for number, at in zip(case.numbers, places, strict=True)),
-        tuple(known(abs(number.factor) * float(widths[at])) for number, at in zip(case.numbers, places, strict=True)),
-        time.perf_counter() - begun,
-    )
+    places = [result.catalogue.by_name[number.name] for number in case.numbers]
+    half = [known(abs(one.factor) * float(widths[at])) for one, at in zip(case.numbers, places, strict=True)]
+    seconds = time.perf_counter() - begun
+    return Solved(n, len(result.mesh.elements), values_of(case, result), tuple(half), seconds)
+
+
+def values_of(case: Case, result: Result) -> tuple[float, ...]:
+    """Read the numbers of a case from a result, as in the reference's unit."""
+    by_name = result.catalogue.by_name
+    return tuple(one.factor * float(result.numbers[by_name[one.name]]) for one in case.numbers)
 
 
 def outcomes(names: Sequence[str]) -> Iterator[Outcome]:
