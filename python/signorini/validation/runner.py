@@ -22,7 +22,7 @@ from signorini.validation.case import Case, Number
 from signorini.validation.catalogue import cases
 
 EXACT = 1e-9
-"""Relative error below which an error is rounding and shows no rate of convergence."""
+"""Largest relative error that counts as rounding; it shows no rate of convergence."""
 
 
 @dataclass(frozen=True)
