@@ -227,3 +227,16 @@ def test_a_section_that_meets_itself_is_refused(line, pieces):
 def test_a_strip_that_goes_back_is_refused():
     with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split it")):
         rectangular(**ASKED | {"strip": [{"line": [[2, 1], [2, 3], [2, 2]], "width": 0.5}]})
+
+
+@pytest.mark.parametrize("divisions", [3, 4, 5, 6])
+def test_any_number_of_points_may_hold_slopes_beside_a_section(divisions):
+    """The shear through a cut across the plate is the load beyond it; the line that holds slopes crosses elements."""
+    given = rectangular(
+        divisions=[divisions, 3],
+        support=[{"line": [[0.1, 0.3], [1.4, 3.5]], "fix": ["w", "slope"]}],
+        load=[{"pressure": 5e3}],
+        section=[{"name": "A", "line": [[2, 0], [2, 4]]}],
+    )
+    forces = solve(given)["all"].sections["A"]
+    assert abs(forces.shear) == pytest.approx(5e3 * 2 * 4, rel=1e-9)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -18,11 +19,14 @@ from scipy.stats import lognorm
 from typer.testing import CliRunner
 
 from signorini import Model, solve, study
+from signorini.base.reuse import Reuse
 from signorini.cli import app
 from signorini.errors import InputError, SignoriniError
+from signorini.model import validate
 from signorini.studies import variant
 from signorini.studies.parameters import Parameter, place_of, variants
 from signorini.studies.store import TABLE
+from signorini.studies.study import Plan
 from signorini.studies.workers import WorkerDiedError, Workers
 
 TEMPLATE = """
@@ -33,6 +37,7 @@ support = [{ name = "soil", area = "all", resists = "down", stiffness = 2e7 }]
 load = [{ pressure = 5e3 }, { at = [3.5, 1.5], force = 60e3 }]
 check = [{ name = "bearing", of = "soil.max_pressure", limit = 20e3 }]
 """
+PADS = {"name": "pads", "at": [[0.5, 0.5], [3.5, 2.5]], "resists": "down", "stiffness": 2e8, "limit": 5e4}
 STUDY = """
 template = "raft.toml"
 results = ["soil.max_pressure", "check:bearing.utilisation"]
@@ -134,6 +139,33 @@ def _asked() -> tuple[dict[str, object], list[str]]:
     return parameters, ["soil.max_pressure", "check:bearing.utilisation"]
 
 
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"load[2].force": [60e3, 61e3, 62e3, 250e3]},
+        {"support.soil.stiffness": [2e7, 3e7, 2e7, 4e7]},
+        {"support.pads.stiffness": [2e8, 3e8, 2e8, 4e8], "support.pads.gap": [0.0, 1e-4, 2e-4, 0.0]},
+        {"support.pads.limit": [1e4, 2e4, 3e4, 1e3]},
+        {"support.soil.resists": ["down", "both", "down", "down"]},
+        {"plate.thickness": [0.5, 0.6, 0.5, 0.5]},
+        {"plate.size[1]": [4.0, 5.0, 4.0, 4.0]},
+    ],
+    ids=lambda parameters: next(iter(parameters)),
+)
+def test_rows_are_those_of_variants_solved_without_reuse(
+    parameters: dict[str, list[object]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tables = tomllib.loads(TEMPLATE)
+    tables["support"].append(PADS)
+    plan = Plan.of(
+        validate(tables), parameters, ["soil.max_pressure", "pads.reaction", "deflection.max"], Path(), "list", None, 0
+    )
+    reused = [variant.solved(plan.variant(number)) for number in range(4)]
+    for number, row in enumerate(reused):
+        monkeypatch.setattr(variant, "_REUSE", Reuse())
+        assert variant.solved(plan.variant(number)) == row and row["status"] == "solved"
+
+
 def test_a_variant_without_answer_is_a_row_with_its_reason(place: Path) -> None:
     found = study(
         place / "raft.toml", {"load[2].at": [[3.5, 1.5], [5.0, 1.5]], "plate.thickness": [0.4, -1]}, ["soil.reaction"]
@@ -173,6 +205,40 @@ def test_the_settlement_of_a_rigid_footing_on_random_soil(tmp_path: Path) -> Non
     assert abs(probability.value - exact) <= 1.0 / 200
     assert probability.interval[0] < exact < probability.interval[1]
     assert found.sensitivities("check:settlement.utilisation")["support.soil.stiffness"] > 0.9
+
+
+def test_reliability_of_a_rigid_footing_with_eccentric_load_on_random_soil() -> None:
+    """Largest settlement 2N/(3(B/2 − e) L k) beyond the kern, else N/(B L k) (1 + 6e/B), against 100,000 samples."""
+    width, length, limit, samples = 3.0, 2.0, 0.0125, 400
+    parameters: dict[str, object] = {
+        "load[1].force": {"gumbel": [600e3, 90e3]},
+        "load[1].at[1]": {"normal": [1.8, 0.25]},
+        "support.soil.stiffness": {"lognormal": [2e7, 5e6]},
+    }
+    model = Model(
+        material={"E": 30e12, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [width, length], "thickness": 0.5},
+        mesh={"divisions": [12, 2], "error": False},
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 2e7}],
+        load=[{"at": [1.8, length / 2], "force": 600e3}],
+        check=[{"name": "settlement", "of": "deflection", "limit": limit}],
+    )
+    found = study(model, parameters, ["check:settlement.utilisation"], samples=samples, seed=2)
+
+    def utilisation(columns: list[np.ndarray]) -> np.ndarray:
+        force, at, stiffness = columns
+        pressure, e = force / (width * length), np.abs(at - width / 2)
+        ratio = np.where(e <= width / 6, 1 + 6 * e / width, 4 * width / (3 * np.maximum(width - 2 * e, 1e-9)))
+        return pressure * ratio / stiffness / limit
+
+    chosen = utilisation([found[name] for name in parameters])
+    solved = np.array([row["status"] == "solved" for row in found.rows])
+    assert found["check:settlement.utilisation"][solved] == pytest.approx(chosen[solved], rel=0.01)
+    random = np.random.default_rng(1).random((3, 100_000))
+    each = [Parameter.of(name, given, Path()) for name, given in parameters.items()]
+    exact = np.mean(utilisation([np.array(one.at(row)) for one, row in zip(each, random, strict=True)]) > 1)
+    low, high = found.failure_probability("check:settlement.utilisation").interval
+    assert low < exact < high and 0.02 < exact < 0.98
 
 
 def test_first_order_sensitivities_of_a_sum() -> None:

@@ -18,7 +18,8 @@ use std::sync::Arc;
 /// `held` (3n,) is true for dofs with a prescribed value. `springs` is (elements, rows, further, stiffness, base).
 /// `points` is a dict of arrays, the fields of `ContactPoints`. Each of `laws` is (vertices [travel, force], slopes
 /// before the first and after the last vertex). `free_motions` (d, 3n) are the rigid motions that held dofs, springs
-/// and two-sided points leave free; None means d = 0. `method` is "lemke", "active_set" or "saddle".
+/// and two-sided points leave free; None means d = 0. `method` is "lemke", "active_set" or "saddle". With `like`, a
+/// problem of the same plate, whatever both problems have in common is shared: ordering, factor, condensation.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: Arc<contact::ContactProblem>,
@@ -123,7 +124,7 @@ enum News {
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, points, laws, free_motions=None, method="lemke", room=None))]
+    #[pyo3(signature = (plate, held, spring_arrays, points, laws, free_motions=None, method="lemke", room=None, like=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -135,6 +136,7 @@ impl ContactProblem {
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
         method: &str,
         room: Option<usize>,
+        like: Option<PyRef<'_, ContactProblem>>,
     ) -> PyResult<Self> {
         let room = room.unwrap_or(usize::MAX);
         let springs = springs(&spring_arrays, &plate.inner)?;
@@ -158,7 +160,12 @@ impl ContactProblem {
         drop(table);
         let method = method_of(method)?;
         let shared = plate.inner.clone();
-        let inner = released(py, || contact::ContactProblem::new(shared, on, method, room))?.map_err(failed)?;
+        let like = like.map(|like| like.inner.clone()).filter(|like| like.method() == method);
+        let inner = released(py, || match like.filter(|like| Arc::ptr_eq(&like.plate, &shared)) {
+            Some(like) => like.on_other_supports(on, room),
+            None => contact::ContactProblem::new(shared, on, method, room),
+        })?
+        .map_err(failed)?;
         Ok(Self { inner: Arc::new(inner) })
     }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// A table of rows g of elastic supports and contact points. Row i has coefficients over the dofs of one element, in
 /// nodal frames. If the plate has rigid bodies, they are over the dofs of the leaders.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,

@@ -50,10 +50,15 @@ fn with_laws(
         let law = points.add_graph(law(i));
         points.push_row(&plate, &rows, i, law, length * gap, 1.0);
     }
-    let delta = (0..at.len()).map(|i| if i < 3 { 10.0 * force / length } else { 0.0 }).collect();
     let (held, free_motions) = (vec![false; plate.dof_count()], motions(&plate));
+    let delta = delta(at.len(), 10.0 * force / length);
     let on = Supported { springs: Springs::default(), held, points, delta, free_motions };
     ContactProblem::new(plate, on, method, usize::MAX).unwrap()
+}
+
+/// Stiffness that the factor includes at the first three points.
+fn delta(points: usize, stiffness: f64) -> Vec<f64> {
+    (0..points).map(|i| if i < 3 { stiffness } else { 0.0 }).collect()
 }
 
 fn solved(problem: &ContactProblem, load: &[f64]) -> Result<ContactSolution, SolveError> {
@@ -191,6 +196,25 @@ proptest! {
         let (moved, made) = (on_points(&at, &gap, soft, method), on_points(&at, &other, soft, method));
         let (moved, load) = (moved.with_shift(other).unwrap(), load(&made.plate, 4, 1.0));
         let (found, wanted) = (solved(&moved, &load), solved(&made, &load));
+        prop_assert_eq!(found.as_ref().err(), wanted.as_ref().err());
+        let (Ok(found), Ok(wanted)) = (found, wanted) else { return Ok(()) };
+        prop_assert_eq!(found.reaction, wanted.reaction);
+        prop_assert_eq!(found.displacement.hi, wanted.displacement.hi);
+    }
+
+    #[test]
+    fn a_problem_on_other_supports_solves_as_a_new_one(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5), moved: bool, soft in prop::array::uniform2(any::<bool>()),
+        gap in prop::collection::vec(0.0f64..0.01, 5), other in prop::collection::vec(-0.01f64..0.01, 5),
+        method in prop_oneof![Just(Method::Lemke), Just(Method::ActiveSet), Just(Method::Saddle)],
+    ) {
+        let places: Vec<_> = at.iter().map(|&(x, y)| if moved { (y, x) } else { (x, y) }).collect();
+        let (first, made) = (on_points(&at, &gap, soft[0], method), on_points(&places, &other, soft[1], method));
+        let (springs, held, points) = (made.springs.clone(), made.held.clone(), made.points.clone());
+        let on = Supported { springs, held, points, delta: delta(5, 10.0), free_motions: motions(&made.plate) };
+        let found = first.on_other_supports(on, usize::MAX).unwrap();
+        let load = load(&made.plate, 4, 1.0);
+        let (found, wanted) = (solved(&found, &load), solved(&made, &load));
         prop_assert_eq!(found.as_ref().err(), wanted.as_ref().err());
         let (Ok(found), Ok(wanted)) = (found, wanted) else { return Ok(()) };
         prop_assert_eq!(found.reaction, wanted.reaction);

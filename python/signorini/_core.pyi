@@ -175,6 +175,7 @@ class ContactProblem:
         free_motions: _Floats | None = None,
         method: Literal["lemke", "active_set", "saddle"] = "lemke",
         room: int | None = None,
+        like: ContactProblem | None = None,
     ) -> ContactProblem: ...
     def with_distance(self, distance: _Floats) -> ContactProblem: ...
     def solve(

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The elements whose dofs a row of G has.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Over {
     One(u32),
     /// The pair of elements with this index in `Points::pairs`.
@@ -153,6 +153,15 @@ impl Points {
             self.pairs.push(elements);
             self.pairs.len() as u32 - 1
         })
+    }
+
+    /// Whether both lists have the same rows of G.
+    pub(super) fn has_rows_of(&self, other: &Self) -> bool {
+        self.start == other.start
+            && self.dof == other.dof
+            && self.coefficient == other.coefficient
+            && self.over == other.over
+            && self.pairs == other.pairs
     }
 
     /// The pairs of elements that a row of G connects.

@@ -78,20 +78,55 @@ impl ContactProblem {
     /// Orders and factors K, and for Lemke's algorithm condenses the plate onto its points. A factor of more than
     /// `room` bytes is refused before it is begun.
     pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, SolveError> {
+        Self::posed(plate, on, method, room, None)
+    }
+
+    /// A problem of the same plate and method on other supports. The ordering, the factor and the condensation of this
+    /// problem are shared as far as they would be the same, so that every bit of a solution is that of a new problem.
+    pub fn on_other_supports(&self, on: Supported, room: usize) -> Result<Self, SolveError> {
+        Self::posed(self.plate.clone(), on, self.method(), room, Some(self))
+    }
+
+    /// The method for which the plate is factored.
+    pub fn method(&self) -> Method {
+        match &self.backend {
+            Backend::Condensed { .. } => Method::Lemke,
+            Backend::Penalised(_) => Method::ActiveSet,
+            Backend::SaddlePoint(_) => Method::Saddle,
+        }
+    }
+
+    fn posed(
+        plate: Arc<Plate>,
+        on: Supported,
+        method: Method,
+        room: usize,
+        like: Option<&Self>,
+    ) -> Result<Self, SolveError> {
         on.require_valid(&plate)?;
         let Supported { springs, held, mut points, delta, free_motions } = on;
         let clock = Instant::now();
         let scale = Scale::of(&plate);
         points.set_arm(scale.size);
-        let mut trailing = vec![false; plate.dof_count()];
-        let last = (0..points.len()).filter(|&i| method == Method::Lemke && points.is_narrow(i));
-        last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
         let is_multiplier_row = |i: usize| match method {
             Method::Lemke => delta[i] > 0.0 && !points.is_bedding(i),
             Method::ActiveSet => !points.is_bedding(i),
             Method::Saddle => true,
         };
-        let pattern = Arc::new(KktPattern::new(&plate, &held, &springs, &points, &trailing, is_multiplier_row));
+        let is_like = |like: &&Self| {
+            like.held == held
+                && like.springs.stiffness == springs.stiffness
+                && like.springs.rows == springs.rows
+                && like.points.has_rows_of(&points)
+                && like.pattern.has_multiplier_rows(is_multiplier_row)
+        };
+        let like = like.filter(is_like);
+        let pattern = like.map(|like| like.pattern.clone()).unwrap_or_else(|| {
+            let mut trailing = vec![false; plate.dof_count()];
+            let last = (0..points.len()).filter(|&i| method == Method::Lemke && points.is_narrow(i));
+            last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
+            Arc::new(KktPattern::new(&plate, &held, &springs, &points, &trailing, is_multiplier_row))
+        });
         let order = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -109,14 +144,21 @@ impl ContactProblem {
         // If the softest spring is as stiff as the plate, no diagonal shift is needed.
         let diagonal_shift =
             softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| needed_shift(&plate, softest));
-        let base = Arc::new(pattern.factored(&plate, &springs, &points, carried, diagonal_shift, room)?);
+        let like = like.filter(|like| like.base.carried == carried && like.diagonal_shift == diagonal_shift);
+        let base = match like {
+            Some(like) => like.base.clone(),
+            None => Arc::new(pattern.factored(&plate, &springs, &points, carried, diagonal_shift, room)?),
+        };
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let backend = match augmentation.map(Arc::new) {
-            Some(augmentation) if method == Method::Saddle => Backend::SaddlePoint(augmentation),
-            Some(augmentation) => Backend::Penalised(augmentation),
-            None => {
+        let backend = match (augmentation.map(Arc::new), like.map(|like| &like.backend)) {
+            (Some(augmentation), _) if method == Method::Saddle => Backend::SaddlePoint(augmentation),
+            (Some(augmentation), _) => Backend::Penalised(augmentation),
+            (None, Some(Backend::Condensed { interface, .. })) if interface.free_motions == free_motions => {
+                Backend::Condensed { interface: interface.clone(), templates: Arc::default() }
+            }
+            (None, _) => {
                 let multiplier_rows = pattern.multiplier_rows(plate.dof_count());
                 let trailing = pattern.numbering.trailing;
                 let rows = pattern.rows(&points);

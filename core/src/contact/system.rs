@@ -141,6 +141,11 @@ impl KktPattern {
         Ok(System { factor, carried, pattern: self.clone() })
     }
 
+    /// Whether the contact points with a multiplier row are those for which `has_multiplier(i)` is true.
+    pub(super) fn has_multiplier_rows(&self, has_multiplier: impl Fn(usize) -> bool) -> bool {
+        self.is_multiplier_row.iter().enumerate().all(|(i, &own)| own == has_multiplier(i))
+    }
+
     /// Gathers a nodal load (3n,) by column of the factor; held dofs have no column.
     pub(super) fn gather(&self, load: &[f64]) -> Vec<f64> {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()

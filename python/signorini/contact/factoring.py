@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from signorini.base.memory import (
     require_memory_for_footprints,
     require_memory_for_points,
 )
+from signorini.base.reuse import beside
 from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, restraining_points
@@ -92,11 +93,16 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
-    """Order and factor for a method; ``carried`` (m,) is the stiffness of each contact point in the factor."""
+    """Order and factor for a method; ``carried`` (m,) is the stiffness of each contact point in the factor.
+
+    In the context of a `Reuse`, ordering and factor are those of the latest problem of the same plate if its supports
+    are the same except for laws, gaps and stiffnesses; the factor, only if these leave it unchanged.
+    """
     free = available()
     elements, rows, further = contacts.rows.arrays
+    others = beside(discretisation.plate)
     try:
-        return _core.ContactProblem(
+        others[method] = _core.ContactProblem(
             discretisation.plate,
             discretisation.held.dofs,
             discretisation.springs.arrays,
@@ -114,7 +120,9 @@ def core_problem(
             motions.T @ discretisation.scaled_motions.T,
             method,
             room=None if math.isinf(free) else int(free),
+            like=others.get(method),
         )
+        return cast(_core.ContactProblem, others[method])
     except RuntimeError as error:
         if discretisation.zones.element == "q8r":
             raise InputError(

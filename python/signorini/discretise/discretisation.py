@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
+from signorini.base.reuse import shared
 from signorini.discretise.domain import require_domain
 from signorini.discretise.held import Bodies, Held, hold
 from signorini.discretise.laws import is_unyielding
@@ -48,6 +49,8 @@ from signorini.model import Combination, Model
 from signorini.model.parts import ON_PLATES
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows"]
+
+_plate = shared(_core.Plate)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -414,7 +417,7 @@ def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: Stres
         units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
         others = zones.of_elements.rigidity, zones.young[1:], units
     try:
-        return _core.Plate(
+        return _plate(
             mesh.points,
             mesh.elements,
             thickness.for_core,

@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini._core import mesh_outline
 from signorini.base.memory import require_memory
+from signorini.base.reuse import shared
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.divisions import ALONG_X, Axes, graded, subdivide
@@ -21,6 +22,7 @@ _SAME = 1e-9
 _ROUNDNESS = 0.3
 
 
+@shared
 def rectangle(
     origin: Point,
     size: tuple[float, float],
@@ -89,6 +91,7 @@ def _joints(
     return forward if equal else backward
 
 
+@shared
 def annulus(
     center: Point,
     inner: float,
@@ -118,6 +121,7 @@ def annulus(
     return _mesh(center + points, _quads(index), edges)
 
 
+@shared
 def disc(
     center: Point,
     radius: float,
@@ -259,6 +263,7 @@ class OutlineError(InputError):
         self.contour, self.side = contour, side
 
 
+@shared
 def outlined(
     contours: Sequence[Contour],
     size: float,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -77,6 +78,7 @@ def moments_grow(angle: float, first: Slopes, second: Slopes, poisson: float) ->
     return exponents_below_one(angle, first, second, poisson) > 0
 
 
+@lru_cache(maxsize=1024)
 def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: float) -> int:
     """Count the exponents λ of a corner with real parts between 0 and 1, by the argument principle.
 

@@ -12,11 +12,15 @@ from signorini.analysis.estimate import Estimates, estimates_of
 from signorini.analysis.results import Results
 from signorini.analysis.solve import solve
 from signorini.base.provenance import commit
+from signorini.base.reuse import Reuse
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, Place, SignoriniError
 from signorini.model import Model, validate
 from signorini.results.envelope import NONE
 from signorini.results.quantities import Number
 from signorini.studies.parameters import Value, changed
+
+_REUSE = Reuse()
+"""Meshes, element matrices, orderings and factors of previous variants of this process."""
 
 Row = dict[str, Any]
 """One row of a study: a value for each column."""
@@ -86,8 +90,9 @@ def solved(variant: Variant) -> Row:
     try:
         model = variant.model
         row["model_sha256"] = model.provenance.sha256
-        results = solve(model)
-        estimates = estimates_of(results, lambda progress: None) if model.estimated else None
+        with _REUSE:
+            results = solve(model)
+            estimates = estimates_of(results, lambda progress: None) if model.estimated else None
     except NoEquilibriumError as error:
         return row | {"status": "no_equilibrium", "message": str(error)}
     except NotCertifiedError as error:

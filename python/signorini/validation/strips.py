@@ -105,8 +105,8 @@ def _continuous() -> Iterator[Case]:
         "Two spans, one loaded: the far support lifts",
         ("lines of support", "one-sided lines", "lift-off"),
         "Two spans of 1 on lines that only push; q = 1 on the first span.",
-        f"{_STRENGTH}, art. 24: held in both directions, the far reaction is −qL/16. Without tension the loaded span is simple, "
-        " with 5qL⁴/384EI in its middle and the uplift qL⁴/24EI at the far end.",
+        f"{_STRENGTH}, art. 24: held in both directions, the far reaction is −qL/16. Without tension the loaded "
+        "span is simple, with 5qL⁴/384EI in its middle and the uplift qL⁴/24EI at the far end.",
         lambda n: _strip(2, n, push, [{"pressure": 1.0, "area": {"rectangle": [0, 0, 1, 1]}}], [0.5, 2.0]),
         [
             Number("s0.reaction", "end reaction/qL", 0.5, 1e-6),

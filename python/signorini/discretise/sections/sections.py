@@ -164,11 +164,13 @@ class Sections(Brief):
             return csr_array((3 * len(self.cuts), len(points)))
         prints = {}
         for index, support in enumerate(supports):
-            shapes, rows = support.where.footprints, np.flatnonzero(points.support == index)
+            if not (shapes := support.where.footprints):
+                continue
+            rows = np.flatnonzero(points.support == index)
             fields = np.zeros(len(rows), np.int64)
             # Springs that resist rotations about x, which act on θy, precede springs about y.
             fields[points.slope[rows]] = np.repeat([2, 1], np.count_nonzero(points.slope[rows]) // 2)
-            for row, field in zip(rows.tolist(), fields.tolist(), strict=True) if shapes else ():
+            for row, field in zip(rows.tolist(), fields.tolist(), strict=True):
                 shape = shapes[points.numbers[row]]
                 quadrature = area_quadrature(self.mesh, shape, GAUSS)
                 pressure = -float(points.direction[row]) / quadrature.total

@@ -1,0 +1,90 @@
+"""Objects shared by calls with equal arguments, for a series of similar models."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from contextvars import ContextVar, Token
+from functools import update_wrapper
+from typing import Any, ParamSpec, Self, TypeVar
+
+_P = ParamSpec("_P")
+_V = TypeVar("_V")
+
+_OBJECTS = 6
+"""Largest number of objects stored for each function: a solution with ± needs those of three meshes."""
+_ARGUMENTS = 100
+"""Largest number of arguments whose hashes are stored for each function."""
+
+
+class Reuse(threading.local):
+    """Context in which `shared` functions return the same object for equal arguments; each thread has its own objects.
+
+    An object is stored when its arguments occur for the second time. So objects that no other call needs take no
+    memory.
+
+    Examples
+    --------
+    >>> @shared
+    ... def ones(count: int) -> list[int]:
+    ...     return [1] * count
+    >>> with Reuse():
+    ...     first, second, third = ones(3), ones(3), ones(3)
+    >>> first is second, second is third
+    (False, True)
+    """
+
+    def __init__(self) -> None:
+        self._objects = dict[object, OrderedDict[bytes, tuple[Any, dict[str, Any]] | None]]()
+        self._tokens = list[Token[Reuse | None]]()
+
+    def __enter__(self) -> Self:
+        """Activate it in this thread."""
+        self._tokens.append(_active.set(self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Deactivate it; its objects are kept for the next time."""
+        _active.reset(self._tokens.pop())
+
+    def made(self, make: Callable[_P, _V], *args: _P.args, **kwargs: _P.kwargs) -> _V:
+        """Return the stored object for these arguments, or make it."""
+        known = self._objects.setdefault(make, OrderedDict())
+        key = hashlib.sha256(pickle.dumps((args, kwargs))).digest()
+        is_new = key not in known
+        if not (stored := known.pop(key, None)):
+            value = make(*args, **kwargs)
+            stored = None if is_new else (value, {})
+        known[key] = stored
+        for least_recent in [key for key, entry in known.items() if entry][:-_OBJECTS]:
+            del known[least_recent]
+        while len(known) > _ARGUMENTS:
+            known.popitem(last=False)
+        return stored[0] if stored else value
+
+    def beside(self, owner: object) -> dict[str, Any]:
+        """Values that are kept as long as the stored object ``owner``; a new dict if it is not stored."""
+        entries = (entry for known in self._objects.values() for entry in known.values() if entry)
+        return next((values for stored, values in entries if stored is owner), {})
+
+
+_active: ContextVar[Reuse | None] = ContextVar("_active", default=None)
+
+
+def shared(make: Callable[_P, _V]) -> Callable[_P, _V]:
+    """Make a function share its objects in the context of a `Reuse`; its arguments can be pickled."""
+
+    def get(*args: _P.args, **kwargs: _P.kwargs) -> _V:
+        reuse = _active.get()
+        return make(*args, **kwargs) if reuse is None else reuse.made(make, *args, **kwargs)
+
+    return update_wrapper(get, make, updated=())
+
+
+def beside(owner: object) -> dict[str, Any]:
+    """Values that are kept as long as the shared object ``owner``; outside the context of a `Reuse` a new dict."""
+    reuse = _active.get()
+    return {} if reuse is None else reuse.beside(owner)
