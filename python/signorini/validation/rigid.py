@@ -25,6 +25,7 @@ def cases() -> Iterator[Case]:
     yield from _joints()
     yield _crushing()
     yield _prying()
+    yield from _flange()
 
 
 def _ssnl130() -> Iterator[Case]:
@@ -128,7 +129,7 @@ def _footings() -> Iterator[Case]:
             (0.15, 0.15),
             *both,
             "linear pressure solved numerically; K. Hülsdünker, *Maximale Bodenpressung unter rechteckigen "
-            "Fundamenten*, Bautechnik 41 (1964) 269, tabulates this problem",
+            "Fundamenten*, Bautechnik 41 (1964), tabulates this problem",
         ),
         (
             "corner",
@@ -302,7 +303,7 @@ def _prying() -> Case:
         ("strip", "bolts", "one-sided lines", "symmetry"),
         "Half of a T-stub: strip with EI = 1 per width, pulled up by F = 1 at its web, where the slope is 0; rigid "
         "bolts as a line at m = 1, and the tip on a rigid line at n = 0.8 beyond the bolts.",
-        "R. T. Douty, W. McGuire, *High strength bolted moment connections*, J. Struct. Div. ASCE 91 (1965) 101–128, "
+        "R. T. Douty, W. McGuire, *High strength bolted moment connections*, J. Struct. Div. ASCE 91 (1965), "
         "for rigid bolts: Q/F = 3m²/2n(n + 3m).",
         "analytical",
         lambda n: {
@@ -324,3 +325,50 @@ def _prying() -> Case:
             Number("probe[1].mx", "moment at the web/Fm", prying * length - m, 1e-2, uncertainty=5e-5),
         ),
     )
+
+
+def _flange() -> Iterator[Case]:
+    """Segment of an L-flange, against the bolt force of Schmidt and Neuper."""
+    young, t, a, b, c, force = 210e3, 120.0, 75.0, 70.0, 100.0, 1e6
+    bolt, clamped = young * 1473 / (2 * t + 10), young * pi / 4 * ((74 + 24) ** 2 - 48**2) / (2 * t)
+    p, q = bolt / (bolt + clamped), clamped / (bolt + clamped)
+    steep, first = (0.7 * a + b) / (0.7 * a), (a - b / 2) / (a + b)
+    for name, part, bolt_force, tolerance in (
+        ("closed", 0.2, 1 + 0.2 * p, 3e-2),
+        ("open", 0.7, 0.7 * steep, 1e-1),
+    ):
+        assert (part < first) if name == "closed" else (part > 1 / steep / q)
+        yield Case(
+            f"l-flange-{name}",
+            f"L-flange of a wind tower, {name} joint",
+            ("rectangle", "bolts", "preload", "tensionless soil", "symmetry", *(("lift-off",) if part > 0.5 else ())),
+            "Segment of an L-flange as a plate in N and mm: width 100, bolt at b = 70 from the shell and a = 75 from "
+            f"the inner edge, thickness 120, bolt M48 tightened to F_V = 1 MN, pull Z = {part:g} F_V on the edge at "
+            "the shell. Joint: bed E/t without tension up to the plane of symmetry.",
+            "H. Schmidt, M. Neuper, *Zum elastostatischen Tragverhalten exzentrisch gezogener L-Stöße*, Stahlbau 66 "
+            "(1997), as in IEC 61400-6:2020: F = F_V + pZ up to Z = F_V(a − b/2)/(a + b); once the joint has "
+            "opened F = Z(0.7a + b)/0.7a.",
+            "analytical",
+            lambda n, part=part: {
+                "material": {"E": young, "nu": 0.3},
+                "plate": {"shape": "rectangle", "size": [a + b, c], "thickness": t},
+                "mesh": {"divisions": [n, round(n * c / (a + b))]},
+                "support": [
+                    {"name": "joint", "area": "all", "resists": "down", "stiffness": young / t},
+                    {
+                        "name": "bolt",
+                        "at": [[b, c / 2]],
+                        "radius": 37,
+                        "resists": "up",
+                        "stiffness": 2 * bolt,
+                        "preload": force,
+                    },
+                    {"edge": ["top", "bottom"], "fix": "symmetry"},
+                ],
+                "load": [{"line_load": -part * force / c, "edge": "left"}],
+            },
+            (6, 12, 24),
+            (Number("bolt[1].reaction", "bolt F/F_V", bolt_force, tolerance, -1 / force, tolerance * bolt_force),),
+            "Comparison of two models: the reference assumes the place of the compression, the plate computes it. The "
+            "tolerance is that of the comparison, not of the mesh.",
+        )

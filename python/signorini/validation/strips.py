@@ -90,7 +90,7 @@ def _continuous() -> Iterator[Case]:
         "Continuous beam of three spans",
         ("lines of support", "uniform pressure"),
         "Three spans of 1 under q = 1, on lines that hold w.",
-        f"{_STRENGTH}, art. 45 (Clapeyron's equation of three moments): reactions 0.4, 1.1, 1.1, 0.4 qL, M = −qL²/10.",
+        f"{_STRENGTH} (Clapeyron's equation of three moments): reactions 0.4, 1.1, 1.1, 0.4 qL, M = −qL²/10.",
         lambda n: _strip(3, n, spans, [{"pressure": 1.0}], [0.5, 1.0]),
         [
             Number("s0.reaction", "end reaction/qL", 0.4, 1e-3, uncertainty=1e-5),
@@ -105,7 +105,7 @@ def _continuous() -> Iterator[Case]:
         "Two spans, one loaded: the far support lifts",
         ("lines of support", "one-sided lines", "lift-off"),
         "Two spans of 1 on lines that only push; q = 1 on the first span.",
-        f"{_STRENGTH}, art. 24: held in both directions, the far reaction is −qL/16. Without tension the loaded "
+        f"{_STRENGTH}: held in both directions, the far reaction is −qL/16. Without tension the loaded "
         "span is simple, with 5qL⁴/384EI in its middle and the uplift qL⁴/24EI at the far end.",
         lambda n: _strip(2, n, push, [{"pressure": 1.0, "area": {"rectangle": [0, 0, 1, 1]}}], [0.5, 2.0]),
         [
@@ -123,7 +123,7 @@ def _continuous() -> Iterator[Case]:
         "Two spans whose middle support settles",
         ("lines of support", "settlement"),
         "Two spans of 1; the middle line settles by 0.01; no load.",
-        f"{_STRENGTH}, art. 45: M = 3EIδ/L², R = −6EIδ/L³, both over 1 + 3EI/κGhL².",
+        f"{_STRENGTH}: M = 3EIδ/L², R = −6EIδ/L³, both over 1 + 3EI/κGhL².",
         lambda n: _strip(2, n, sunk, [{"pressure": 0.0}], [1.0]),
         [
             Number("s1.reaction", "R L³/EIδ", -6 / sheared, 1e-3, 100.0),
@@ -139,7 +139,7 @@ def _continuous() -> Iterator[Case]:
         "Span with ends that turn on springs",
         ("rotational stiffness", "uniform pressure"),
         "Span of 1 under q = 1; each end has the rotational stiffness k = 3 EI/L.",
-        f"{_STRENGTH}, art. 40: end moment qL²/12(1 + 2EI/kL).",
+        f"{_STRENGTH}: end moment qL²/12(1 + 2EI/kL).",
         lambda n: _strip(1, n, ends, [{"pressure": 1.0}], [0.0, 0.5]),
         [
             _m(1, "end moment/qL²", -moment),
@@ -161,7 +161,7 @@ def _on_soil() -> Iterator[Case]:
         "Infinite beam under a force",
         ("soil", "line load"),
         f"Strip of length {2 * far:g} on soil of k = 4 (λ = 1) under a line load P = 1 in the middle.",
-        f"{_HETENYI}, Eq. (6): y = Pλ/2k, M = P/4λ.",
+        f"{_HETENYI}, infinite beam: y = Pλ/2k, M = P/4λ.",
         lambda n: _strip(2 * far, n, both, [{"line_load": 1.0, **_line(0.0)}], [0.0], -far),
         [_w(1, "w k/Pλ", 0.5, factor=k), _m(1, "M λ/P", 0.25, 2e-2)],
         (48, 96, 192),
@@ -171,7 +171,7 @@ def _on_soil() -> Iterator[Case]:
         "Semi-infinite beam under an end force",
         ("soil", "line load"),
         "Strip of length 12 on soil of k = 4 (λ = 1) under a line load P = 1 on its end.",
-        f"{_HETENYI}, Eq. (21): y = 2Pλ/k at the end, M = −0.3224 P/λ at x = π/4λ.",
+        f"{_HETENYI}, semi-infinite beam: y = 2Pλ/k at the end, M = −0.3224 P/λ at x = π/4λ.",
         lambda n: _strip(far, n, both, [{"line_load": 1.0, "edge": "left"}], [0.0, pi / 4]),
         [_w(1, "w k/Pλ at the end", 2.0, factor=k), _m(2, "M λ/P at π/4λ", -exp(-pi / 4) * sin(pi / 4), 2e-2)],
         (48, 96, 192),
@@ -184,7 +184,7 @@ def _on_soil() -> Iterator[Case]:
         "Free beam of finite length under a force in its middle",
         ("soil", "line load"),
         "Strip of length 3 on soil of k = 4 (λl = 3) with free ends, line load P = 1 in the middle.",
-        f"{_HETENYI}, art. 15, Eq. (30).",
+        f"{_HETENYI}, beams of finite length, free ends.",
         lambda n: _strip(length, n, both, [{"line_load": 1.0, **_line(half)}], [half, 0.0]),
         [
             _w(1, "w k/Pλ, middle", (cosh(total) + cos(total) + 2) / (2 * twice), factor=k),
@@ -200,7 +200,7 @@ def _on_soil() -> Iterator[Case]:
         "Hinged beam on soil under pressure",
         ("soil", "uniform pressure"),
         "Strip of length 3 on soil of k = 4 (λl = 3) with simply supported ends, q = 1.",
-        f"{_HETENYI}, art. 17, Eq. (44).",
+        f"{_HETENYI}, beams of finite length, hinged ends.",
         lambda n: _strip(length, n, simple, [{"pressure": 1.0}], [half]),
         [
             _w(1, "w k/q, middle", 1 - 2 * cosh(half) * cos(half) / down, factor=k),
@@ -214,7 +214,7 @@ def _on_soil() -> Iterator[Case]:
         "Clamped beam on soil under pressure",
         ("soil", "uniform pressure", "clamped edges"),
         "Strip of length 3 on soil of k = 4 (λl = 3) with clamped ends, q = 1.",
-        f"{_HETENYI}, art. 18, Eq. (51).",
+        f"{_HETENYI}, beams of finite length, fixed ends.",
         lambda n: _strip(length, n, fixed, [{"pressure": 1.0}], [half, 0.0]),
         [
             _w(1, "w k/q, middle", 1 - 2 * (sinh(half) * cos(half) + cosh(half) * sin(half)) / twice, factor=k),
@@ -228,7 +228,7 @@ def _on_soil() -> Iterator[Case]:
         "Infinite beam under pressure on a part",
         ("soil", "uniform pressure"),
         f"Strip of length {2 * far:g} on soil of k = 4 (λ = 1), q = 1 on a length of 3 in the middle.",
-        f"{_HETENYI}, art. 4, Eq. (9): w = q(1 − e^(−λa) cos λa)/k and M = q e^(−λa) sin λa/2λ², with half-length a.",
+        f"{_HETENYI}, infinite beam: w = q(1 − e^(−λa) cos λa)/k and M = q e^(−λa) sin λa/2λ², with half-length a.",
         lambda n: _strip(
             2 * far, n, both, [{"pressure": 1.0, "area": {"rectangle": [-part, 0, part, 1]}}], [0.0], -far
         ),
@@ -247,7 +247,7 @@ def _tensionless() -> Iterator[Case]:
         ("tensionless soil", "line load", "lift-off"),
         "Weightless strip of length 12 ℓ with EI = k = 1 (ℓ = 1) on soil that only pushes, line load P = 1 in the "
         "middle.",
-        "N. C. Tsai, R. A. Westmann, *Beam on tensionless foundation*, J. Eng. Mech. Div. ASCE 93 (1967) 1–12: contact "
+        "N. C. Tsai, R. A. Westmann, *Beam on tensionless foundation*, J. Eng. Mech. Div. ASCE 93 (1967): contact "
         "for |x| ≤ π/2λ; w = coth(π/2) Pλ/2k and M = coth(π/2) P/4λ.",
         lambda n: _strip(12, n, soil, [{"line_load": 1.0, **_line(0.0)}], [0.0], -6),
         [
@@ -270,7 +270,7 @@ def _lifted() -> Iterator[Case]:
         "Heavy strip lifted at its end",
         ("rigid floor", "lift-off", "line load"),
         "Strip of length 2, p = 1, on a rigid floor; the end is pulled up by F = 0.5.",
-        f"{_STRENGTH}, art. 38, problems: lifted length s = 2F/p, w = −ps⁴/24EI.",
+        "Beam statics: lifted length s = 2F/p, w = −ps⁴/24EI.",
         lambda n: _strip(2, n, floor, [weight, {"line_load": -force, "edge": "right"}], [2.0], width=_NARROW),
         [
             _w(1, "uplift −w EI/ps⁴", s**4 / 24, 2e-2, -1),
@@ -302,7 +302,7 @@ def _lifted() -> Iterator[Case]:
         "Heavy strip that overhangs a table",
         ("rigid floor", "lift-off"),
         "Strip of length 2.5, p = 1, on a rigid table from x = 0 to 2; the rest overhangs by a = 0.5.",
-        f"{_STRENGTH}, art. 38: beside the edge of the table the strip lifts over s = a√2, and M = −pa²/2 at the edge; "
+        "Beam statics: beside the edge of the table the strip lifts over s = a√2, and M = −pa²/2 at the edge; "
         "the end sinks by p a⁴/8EI plus the slope ps³/24EI at the edge times a.",
         lambda n: _strip(2.5, n, table, [weight], [2.0, 2.5], width=_NARROW),
         [_m(1, "M/p at the edge", -moment, 2e-2), _w(2, "w EI/p, end", a**4 / 8 + a * s**3 / 24, 3e-2)],
@@ -317,8 +317,8 @@ def _lifted() -> Iterator[Case]:
         "Strip of length 4, p = 1, on a rigid floor, with the stress-free curvature κ = 0.32 of a slab that is cooler "
         "on top.",
         "H. M. Westergaard, *Analysis of stresses in concrete pavements due to variations of temperature*, Proc. HRB 6 "
-        "(1926) 201–215, on a rigid floor: the flat part has M = EIκ, each end lifts over s = √(2EIκ/p) by ps⁴/8EI.",
+        "(1926); statics on a rigid floor: the flat part has M = EIκ, each end lifts over s = √(2EIκ/p) by ps⁴/8EI.",
         lambda n: _strip(4, n, floor, [weight, curl], [4.0, 2.0], width=_NARROW),
-        [_w(1, "uplift −w EI/p, end", s**4 / 8, 2e-2, -1), Number("probe[2].mx", "|M|/EI, middle", -kappa, 1e-2)],
+        [_w(1, "uplift −w EI/p, end", s**4 / 8, 2e-2, -1), Number("probe[2].mx", "M/EI, middle", -kappa, 1e-2)],
         (10, 20, 40),
     )

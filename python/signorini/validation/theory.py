@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import Legendre, Polynomial
 
 KAPPA = 5 / 6
 """Shear correction factor κ."""
@@ -55,17 +56,17 @@ class Navier:
 
 
 def uniform(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), art. 30."""
+    """Coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(16 / np.pi**2 * (m % 2) * (n % 2) / (m * n))
 
 
 def hydrostatic(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), art. 33."""
+    """Coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(8 / np.pi**2 * np.where(m % 2, 1.0, -1.0) * (n % 2) / (m * n))
 
 
 def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Coefficients of a force of 1 on the middle part u × v of a unit square; art. 29, Eq. (130)."""
+    """Coefficients of a force of 1 on the middle part u × v of a unit square."""
 
     def coefficients(m: np.ndarray, n: np.ndarray) -> np.ndarray:
         across = np.sin(m * np.pi / 2) * np.sin(m * np.pi * u / 2) / (m * u)
@@ -78,7 +79,7 @@ def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
 class Levy:
     """Lévy's series of a thin plate under q = 1 with simply supported sides x = 0, a and any sides y = ± b/2.
 
-    Each side is "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), art. 40 to 49.
+    Each side is "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), chapter 6.
     """
 
     def __init__(self, a: float, b: float, nu: float, lower: str, upper: str, terms: int = 80) -> None:
@@ -126,6 +127,28 @@ class Levy:
         return self._basis(y, 3) / self._alpha[:, None] ** 3 - (2 - self.nu) * self._basis(y, 1) / self._alpha[:, None]
 
 
+def clamped(a: float, b: float, nu: float, x: float, y: float, terms: int = 12) -> tuple[float, float, float]:
+    """Return w D, mx and my at (x, y) of a thin clamped plate a × b under q = 1, by Ritz's method.
+
+    The functions are (1 − s²)² P₂ᵢ(s) along each side, with s from −1 to 1; for clamped edges the energy is
+    D/2 ∫ (Δw)².
+    """
+    shapes = [Legendre.basis(2 * i).convert(kind=Polynomial) * Polynomial([1, 0, -2, 0, 1]) for i in range(terms)]
+    at, weights = np.polynomial.legendre.leggauss(4 * terms + 8)
+
+    def values(s: np.ndarray, side: float) -> list[np.ndarray]:
+        return [np.array([one.deriv(k)(s) * (2 / side) ** k for one in shapes]) for k in range(3)]
+
+    along, across = (values(at, side) for side in (a, b))
+    X, Y = ([(of * weights * side / 2) @ of.T for of in part] for part, side in ((along, a), (across, b)))
+    matrix = np.kron(X[2], Y[0]) + 2 * np.kron(X[1], Y[1]) + np.kron(X[0], Y[2])
+    load = np.kron(along[0] @ weights * a / 2, across[0] @ weights * b / 2)
+    c = np.linalg.solve(matrix, load)
+    (p, _, pxx), (q, _, qyy) = values(np.array([2 * x / a - 1]), a), values(np.array([2 * y / b - 1]), b)
+    w, wxx, wyy = (float(c @ np.kron(one[:, 0], other[:, 0])) for one, other in ((p, q), (pxx, q), (p, qyy)))
+    return w, -wxx - nu * wyy, -wyy - nu * wxx
+
+
 @dataclass(frozen=True)
 class Ring:
     """A part of a circular plate: radii, D, shear stiffness S = κ G h, pressure, and line load at its inner radius."""
@@ -142,7 +165,7 @@ class Rings:
     """Axisymmetric Reissner–Mindlin plate of rings with the edges "free", "simple", "clamped", or "centre" inside.
 
     w = C₁r²/4 + C₂ ln r + C₃ + B(r²(ln r − 1)/4D − ln r/S) + q(r⁴/64D − r²/4S), with Q = −(B/r + qr/2);
-    Timoshenko and Woinowsky-Krieger (1959), art. 15 to 17, and the shear strain Q/S.
+    Timoshenko and Woinowsky-Krieger (1959), chapter 3, and the shear strain Q/S.
     """
 
     def __init__(self, rings: Sequence[Ring], nu: float, inner: str, outer: str) -> None:
