@@ -10,6 +10,11 @@ Tables = Mapping[str, Any]
 """Tables of an input file, by key."""
 
 
+def given(function: Callable[..., Tables], *values: Any) -> Callable[[int], Tables]:
+    """Return the function of n that calls ``function(n, *values)``; in a loop, lambdas would share the last values."""
+    return lambda n: function(n, *values)
+
+
 @dataclass(frozen=True)
 class Number:
     """A number of the results with its reference value.

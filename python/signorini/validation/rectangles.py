@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.validation.case import Case, Number, Tables
+from signorini.validation.case import Case, Number, Tables, given
 from signorini.validation.theory import (
     KAPPA,
     TIMOSHENKO,
@@ -205,7 +205,12 @@ def _by_levy() -> Iterator[Case]:
             f"Plate 1 × {b:.4g}, D = 1, ν = 0.3, q = 1; edges x = 0, 1 hard, lower edge {lower}, upper {upper}.",
             f"Lévy's series: {TIMOSHENKO}, chapter 6; {_BATISTA}.{source}",
             "analytical",
-            lambda n, b=b, edges=edges, h=h: _plate((1, b), edges, h, n, [(0.5, b / 2), (0.5, b)], {"pressure": 1.0}),
+            given(
+                lambda n, b, edges, h: _plate((1, b), edges, h, n, [(0.5, b / 2), (0.5, b)], {"pressure": 1.0}),
+                b,
+                edges,
+                h,
+            ),
             (8, 16, 32) if b == 1 else (12, 24, 48),
             tuple(numbers),
             _LAYER if free else _THIN,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, fsolve
 
-from signorini.validation.case import Case, Number, Tables
+from signorini.validation.case import Case, Number, Tables, given
 
 _ASTER = "Code_Aster validation manual V6.02.130, SSNL130"
 _PRESSURE = "pressures of a rigid plate are linear in x and y where they are positive"
@@ -57,7 +57,7 @@ def _ssnl130() -> Iterator[Case]:
             f"p = 5(y − 2)²{what}.",
             f"{_ASTER}: w(0) = 4/1125 m, w(2) = −4/3375 m, contact 1.5 m.",
             "analytical",
-            lambda n, soil=soil: tables(max(1, n // 2), n, soil, 2e11),
+            given(lambda n, soil: tables(max(1, n // 2), n, soil, 2e11), soil),
             (10, 21, 42),
             (
                 Number("probe[1].deflection", "w at y = 0 [m]", 4 / 1125 + moved, 1e-2, uncertainty=1e-9),
@@ -74,7 +74,7 @@ def _ssnl130() -> Iterator[Case]:
             f"As the continuous bed, but springs on 17 lines y = i/8, half as stiff at the ends; E = 2e13 Pa{what}.",
             f"{_ASTER}: lines 0 to 12 touch, w(0) = 208/58875 m, w(2) = −176/153075 m.",
             "analytical",
-            lambda n, lines=lines: tables(n, 16 * n, lines, 2e13),
+            given(lambda n, lines: tables(n, 16 * n, lines, 2e13), lines),
             (1, 2, 4),
             (
                 Number("probe[1].deflection", "w at y = 0 [m]", 208 / 58875 + moved, 1e-6, uncertainty=1e-11),
@@ -105,7 +105,7 @@ def _biaxial(ex: float, ey: float) -> tuple[float, float]:
     y = x[:, None]
 
     def pressure(plane: np.ndarray) -> np.ndarray:
-        return np.maximum(plane[0] + plane[1] * x + plane[2] * y, 0.0)
+        return np.asarray(np.maximum(plane[0] + plane[1] * x + plane[2] * y, 0.0))
 
     def imbalance(plane: np.ndarray) -> list[float]:
         p = pressure(plane) / 2000**2
@@ -148,7 +148,7 @@ def _footings() -> Iterator[Case]:
             f"Rigid footing 2 × 2 on soil that only pushes, force P = 1 at ({e[0]:.4g}, {e[1]:.4g}) B.",
             f"Statics, {_PRESSURE}: {source}.",
             "analytical",
-            lambda n, e=e: _rigid((2, 2), n, [1 + 2 * e[0], 1 + 2 * e[1]], {}),
+            given(lambda n, e: _rigid((2, 2), n, [1 + 2 * e[0], 1 + 2 * e[1]], {}), e),
             (6, 12, 24),
             (
                 Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-2, 4.0, own * peak),
@@ -181,11 +181,14 @@ def _discs() -> Iterator[Case]:
             f"Rigid disc of radius 1 on soil that only pushes, force P = 1 at e = {e:g} R.",
             f"Statics, {_PRESSURE}: {source}.",
             "analytical",
-            lambda n, e=e: {
-                **_rigid((2, 2), n, [e, 0], {}),
-                "plate": {"shape": "disc", "radius": 1, "thickness": 1},
-                "mesh": {"divisions": [n, 4 * n]},
-            },
+            given(
+                lambda n, e: {
+                    **_rigid((2, 2), n, [e, 0], {}),
+                    "plate": {"shape": "disc", "radius": 1, "thickness": 1},
+                    "mesh": {"divisions": [n, 4 * n]},
+                },
+                e,
+            ),
             (4, 8, 16),
             (
                 Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-2, pi, 2e-5 * peak),
@@ -240,23 +243,26 @@ def _joints() -> Iterator[Case]:
             "VDI 2230 Part 1 (2015), joint diagram: bolt F + k_b P/(n k_b + K) up to separation at nF(n k_b + K)/K, "
             "then P/n.",
             "analytical",
-            lambda n, pull=pull: {
-                "material": {"E": 210e9, "nu": 0.3},
-                "plate": {"shape": "rectangle", "size": [1, 1], "thickness": 0.1},
-                "mesh": {"divisions": [n, n]},
-                "zone": [{"area": {"rectangle": [0, 0, 1, 1]}, "rigid": True}],
-                "support": [
-                    {"name": "bed", "area": "all", "resists": "down", "stiffness": bed},
-                    {
-                        "name": "bolts",
-                        "at": [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]],
-                        "resists": "up",
-                        "stiffness": bolt,
-                        "preload": force,
-                    },
-                ],
-                "load": [{"pressure": -pull}],
-            },
+            given(
+                lambda n, pull: {
+                    "material": {"E": 210e9, "nu": 0.3},
+                    "plate": {"shape": "rectangle", "size": [1, 1], "thickness": 0.1},
+                    "mesh": {"divisions": [n, n]},
+                    "zone": [{"area": {"rectangle": [0, 0, 1, 1]}, "rigid": True}],
+                    "support": [
+                        {"name": "bed", "area": "all", "resists": "down", "stiffness": bed},
+                        {
+                            "name": "bolts",
+                            "at": [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]],
+                            "resists": "up",
+                            "stiffness": bolt,
+                            "preload": force,
+                        },
+                    ],
+                    "load": [{"pressure": -pull}],
+                },
+                pull,
+            ),
             (4, 8, 16),
             (
                 Number("bolts[1].reaction", "bolt [kN]", each / 1e3, 1e-6, -1e-3),
@@ -349,24 +355,27 @@ def _flange() -> Iterator[Case]:
             "(1997), as in IEC 61400-6:2020: F = F_V + pZ up to Z = F_V(a − b/2)/(a + b); once the joint has "
             "opened F = Z(0.7a + b)/0.7a.",
             "analytical",
-            lambda n, part=part: {
-                "material": {"E": young, "nu": 0.3},
-                "plate": {"shape": "rectangle", "size": [a + b, c], "thickness": t},
-                "mesh": {"divisions": [n, round(n * c / (a + b))]},
-                "support": [
-                    {"name": "joint", "area": "all", "resists": "down", "stiffness": young / t},
-                    {
-                        "name": "bolt",
-                        "at": [[b, c / 2]],
-                        "radius": 37,
-                        "resists": "up",
-                        "stiffness": 2 * bolt,
-                        "preload": force,
-                    },
-                    {"edge": ["top", "bottom"], "fix": "symmetry"},
-                ],
-                "load": [{"line_load": -part * force / c, "edge": "left"}],
-            },
+            given(
+                lambda n, part: {
+                    "material": {"E": young, "nu": 0.3},
+                    "plate": {"shape": "rectangle", "size": [a + b, c], "thickness": t},
+                    "mesh": {"divisions": [n, round(n * c / (a + b))]},
+                    "support": [
+                        {"name": "joint", "area": "all", "resists": "down", "stiffness": young / t},
+                        {
+                            "name": "bolt",
+                            "at": [[b, c / 2]],
+                            "radius": 37,
+                            "resists": "up",
+                            "stiffness": 2 * bolt,
+                            "preload": force,
+                        },
+                        {"edge": ["top", "bottom"], "fix": "symmetry"},
+                    ],
+                    "load": [{"line_load": -part * force / c, "edge": "left"}],
+                },
+                part,
+            ),
             (6, 12, 24),
             (Number("bolt[1].reaction", "bolt F/F_V", bolt_force, tolerance, -1 / force, tolerance * bolt_force),),
             "Comparison of two models: the reference assumes the place of the compression, the plate computes it. The "

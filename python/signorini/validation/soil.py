@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import log, pi, sqrt
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import kelvin
 
-from signorini.validation.case import Case, Number, Tables
+from signorini.validation.case import Case, Number, Tables, given
 from signorini.validation.theory import TIMOSHENKO, rigidity, shear_factor
 
 _NU = 0.3
@@ -128,7 +128,7 @@ def _infinite() -> Iterator[Case]:
     )
     a = 0.5
     _, _, _, slope = kelvin(a)
-    w, moment = 1 + a * slope.real, (1 + _NU) * a / 2 * slope.imag
+    w, moment = float(1 + a * slope.real), float((1 + _NU) * a / 2 * slope.imag)
     pressure = 1 / (pi * a**2)
     westergaard = (1 + _NU) / (4 * pi) * (log(2 / a) + 0.5 - 0.5772156649) + (1 + _NU) / (4 * pi) * pi / 32 * a**2
     yield Case(
@@ -181,7 +181,7 @@ def _infinite() -> Iterator[Case]:
             "reconsidered*, Transp. Res. Rec. 1043 (1985): edge w = P√(2 + 1.2ν)/√(Eh³k) (1 − (0.76 + 0.4ν)a/ℓ); "
             "corner w = P(1.205 − 0.69c/ℓ)/kℓ².",
             "numerical",
-            lambda n, box=box: slab(n, box),
+            given(lambda n, box: slab(n, box), box),
             (1, 2, 4),
             (Number("probe[1].deflection", f"w kℓ²/P {title}", value, tolerance, 1.0, 3e-2 * value),),
             "Both formulas are fits: of Westergaard to his series, and of Ioannides to finite elements. Their own "
@@ -209,7 +209,7 @@ def _panels() -> Iterator[Case]:
     """Panels of infinite flat slabs; the model is a quarter of a panel with symmetry on all sides."""
     u, h = 0.1, 0.005
 
-    def tables(n: int, support: list[Mapping[str, Any]], load: list[Mapping[str, Any]]) -> Tables:
+    def tables(n: int, support: Sequence[Mapping[str, Any]], load: Sequence[Mapping[str, Any]]) -> Tables:
         edges = {"edge": ["left", "right", "bottom", "top"], "fix": "symmetry"}
         return {
             "material": {"E": 1 / rigidity(1.0, h, 0.2), "nu": 0.2},

@@ -193,7 +193,7 @@ def _on_soil() -> Iterator[Case]:
         ],
         (12, 24, 48),
     )
-    simple = [soil, {"edge": ["left", "right"], "fix": "simple"}]
+    simple: list[Mapping[str, Any]] = [soil, {"edge": ["left", "right"], "fix": "simple"}]
     down = cosh(total) + cos(total)
     yield _case(
         "hetenyi-hinged",
@@ -208,7 +208,7 @@ def _on_soil() -> Iterator[Case]:
         ],
         (12, 24, 48),
     )
-    fixed = [soil, {"edge": ["left", "right"], "fix": "clamped"}]
+    fixed: list[Mapping[str, Any]] = [soil, {"edge": ["left", "right"], "fix": "clamped"}]
     yield _case(
         "hetenyi-fixed",
         "Clamped beam on soil under pressure",

@@ -118,13 +118,14 @@ class Levy:
         return self._basis(y, 0)
 
     def _slope(self, y: float) -> np.ndarray:
-        return self._basis(y, 1) / self._alpha[:, None]
+        return np.asarray(self._basis(y, 1) / self._alpha[:, None])
 
     def _moment(self, y: float) -> np.ndarray:
-        return self._basis(y, 2) / self._alpha[:, None] ** 2 - self.nu * self._basis(y, 0)
+        return np.asarray(self._basis(y, 2) / self._alpha[:, None] ** 2 - self.nu * self._basis(y, 0))
 
     def _force(self, y: float) -> np.ndarray:
-        return self._basis(y, 3) / self._alpha[:, None] ** 3 - (2 - self.nu) * self._basis(y, 1) / self._alpha[:, None]
+        alpha = self._alpha[:, None]
+        return np.asarray(self._basis(y, 3) / alpha**3 - (2 - self.nu) * self._basis(y, 1) / alpha)
 
 
 def clamped(a: float, b: float, nu: float, x: float, y: float, terms: int = 12) -> tuple[float, float, float]:
