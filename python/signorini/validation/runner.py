@@ -29,7 +29,7 @@ EXACT = 1e-9
 class Solved:
     """Numbers of a case on one mesh, as in the reference's unit.
 
-    ``widths`` are the half-widths ±: None where a number has no limit, NaN for a problem without a mesh.
+    ``widths`` are the half-widths ±: None where a number has no limit, NaN where they were not estimated.
     """
 
     n: int
@@ -119,7 +119,7 @@ class Outcome:
 def solve_case(name: str) -> tuple[Solved, ...]:
     """Solve a case on each of its meshes."""
     case = cases()[name]
-    return tuple(_solve(case, n) for n in case.meshes)
+    return tuple(solve_on(case, n) for n in case.meshes)
 
 
 def model_of(case: Case, n: int) -> Model:
@@ -127,18 +127,25 @@ def model_of(case: Case, n: int) -> Model:
     return Model.model_validate({"title": case.title, **case.tables(n)})
 
 
-def _solve(case: Case, n: int) -> Solved:
+def solve_on(case: Case, n: int, estimated: bool = True) -> Solved:
+    """Solve a case with n elements along a side; unless ``estimated``, half-widths are NaN."""
     begun = time.perf_counter()
     if case.direct:
         found = case.tables(n)
         values = tuple(number.factor * float(found[number.name]) for number in case.numbers)
         return Solved(n, n, values, (math.nan,) * len(values), time.perf_counter() - begun)
     result = solve(model_of(case, n))["all"]
-    widths = estimate(result).widths
+    widths = estimate(result).widths if estimated else np.full(len(result.catalogue), math.nan)
     places = [result.catalogue.by_name[number.name] for number in case.numbers]
-    half = [known(abs(one.factor) * float(widths[at])) for one, at in zip(case.numbers, places, strict=True)]
+    half = [abs(one.factor) * float(widths[at]) for one, at in zip(case.numbers, places, strict=True)]
     seconds = time.perf_counter() - begun
-    return Solved(n, len(result.mesh.elements), values_of(case, result), tuple(half), seconds)
+    return Solved(
+        n,
+        len(result.mesh.elements),
+        values_of(case, result),
+        tuple(map(known, half)) if estimated else tuple(half),
+        seconds,
+    )
 
 
 def values_of(case: Case, result: Result) -> tuple[float, ...]:
