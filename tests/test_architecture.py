@@ -30,6 +30,7 @@ LAYERS = (
     {"output"},
     {"reports"},
     {"studies"},
+    {"sensitivities"},
     {"__init__"},
     {"validation"},
     {"importers"},
@@ -280,7 +281,7 @@ def test_every_entry_into_the_core_works_on_the_threads_of_its_process() -> None
 
 SLOW_TO_READ = {
     *("scipy.linalg", "scipy.optimize", "scipy.spatial", "scipy.sparse.csgraph", "scipy.sparse.linalg"),
-    *("matplotlib", "meshio", "pyarrow", "ezdxf", "typer", "rich"),
+    *("matplotlib", "meshio", "pyarrow", "ezdxf", "typer", "rich", "signorini.sensitivities"),
 }
 
 

@@ -1,4 +1,4 @@
-"""Documents: keys of the schema, links, cells of tables, the program of docs/certificate.md; CITATION.cff."""
+"""Documents: keys of the schema, links, cells of tables, the program of docs/certificate.md."""
 
 import re
 import runpy
@@ -65,8 +65,3 @@ def test_the_program_of_the_certificates_page_shows_what_it_says(capsys):
     assert certificate.startswith("passed") and passed == "True"
     assert float(equilibrium) < 1e-9 and float(penetration) < 1e-9
     assert refused.startswith("These reactions are not the answer")
-
-
-def test_the_version_to_cite_is_the_projects():
-    cited = re.search(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
-    assert cited[1] == signorini.__version__
