@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, report, verify, study, import-dxf, schema, explain."""
+"""The command line: solve, check, path, report, verify, study, validate, import-dxf, schema, explain."""
 
 from __future__ import annotations
 
@@ -48,6 +48,7 @@ _OPTIONS = {
     "pdf": "--pdf",
     "shard": "--shard",
     "scheduler": "--scheduler",
+    "case": "--case",
     "sensitivity": "--sensitivity",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
@@ -316,6 +317,46 @@ def verify(
             verification = verified(file, show, Path(room))
         print_verification(streams.stdout(), verification)
         if not verification.equal:
+            raise typer.Exit(1)
+
+
+@app.command(
+    short_help="Solve published cases, compare with their references.",
+    epilog="Example: signorini validate -o validation. Exit codes: 0 every verdict holds, 1 not every one.",
+)
+def validate(
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write a page and an input file a case. [default: none]"),
+    ] = None,
+    names: Annotated[
+        list[str] | None, typer.Option("--case", metavar="NAME", help="Only this case; repeatable. [default: all]")
+    ] = None,
+) -> None:
+    """Solve cases of known answer on several meshes; print the errors beside the tolerances, and the errors beside ±.
+
+    Cases are solved in processes, one per core.
+    """
+    with _messages():
+        from signorini.base.arguments import known
+        from signorini.cli.validation import print_validation
+        from signorini.validation import cases, outcomes, write_pages
+
+        chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
+        with progress_line() as show:
+            found = {}
+            for outcome in outcomes(chosen):
+                found[outcome.case.name] = outcome
+                show(f"{len(found)} of {len(chosen)} cases")
+        ordered = [found[name] for name in chosen]
+        print_validation(streams.stdout(), ordered)
+        if output is not None:
+            try:
+                write_pages(ordered, output)
+            except OSError as error:
+                raise SignoriniError(f"{output} cannot be written: {error.strerror}.") from None
+            streams.stdout().print(f"Written to {visible(output)}{os.sep}")
+        if not all(outcome.holds for outcome in ordered):
             raise typer.Exit(1)
 
 
