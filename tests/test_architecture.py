@@ -31,7 +31,9 @@ LAYERS = (
     {"mpi"},
     {"reports"},
     {"studies"},
+    {"sensitivities"},
     {"__init__"},
+    {"validation"},
     {"importers"},
     {"cli"},
     {"__main__"},
@@ -47,7 +49,7 @@ ONLY_IN = {
     "ezdxf": {"importers"},
     "distributed": {"studies"},
     "highspy": {"base"},
-    "jinja2": {"reports"},
+    "jinja2": {"reports", "validation"},
     "markupsafe": {"reports"},
     "PIL": {"plot"},
     "matplotlib": {"plot"},
@@ -282,7 +284,7 @@ def test_every_entry_into_the_core_works_on_the_threads_of_its_process() -> None
 
 SLOW_TO_READ = {
     *("scipy.linalg", "scipy.optimize", "scipy.spatial", "scipy.sparse.csgraph", "scipy.sparse.linalg"),
-    *("matplotlib", "meshio", "pyarrow", "ezdxf", "typer", "rich"),
+    *("matplotlib", "meshio", "pyarrow", "ezdxf", "typer", "rich", "signorini.sensitivities"),
 }
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -11,20 +11,22 @@ from signorini.accuracy.comparison import Estimate
 from signorini.accuracy.meshes import Refined
 from signorini.analysis.combinations import Combined, Sink, Ways, combine
 from signorini.analysis.single import rows_of, solve_one, solve_rows
-from signorini.base.arguments import checked, index, key_of, watching
+from signorini.base.arguments import checked, index, key_of, known, watching
 from signorini.base.on_demand import Named, OnDemand
 from signorini.base.packages import package
+from signorini.base.progress import Progress, Watcher
 from signorini.base.remade import short
 from signorini.contact.problem import ContactProblem, unfactored
 from signorini.discretise import discretise
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.errors import InputError
 from signorini.model import Combination, Model, Output
-from signorini.results.envelope import Envelope, States
+from signorini.results.envelope import NONE, Envelope, States
 from signorini.results.frames import dataframe, dataset
 from signorini.results.notebook import in_notebook
 from signorini.results.result import Result
 from signorini.results.rows import Column
+from signorini.results.sensitivity import Sensitivity
 
 _PICTURED = 4
 """Largest number of results with pictures in a notebook."""
@@ -54,6 +56,8 @@ class Results(States[str], Mapping[str, Result]):
         Meshes of the refinement to ``mesh.accuracy``, the mesh of these results last; empty without ``mesh.accuracy``.
     estimates : mapping of Estimate
         Half-widths of the results in ``full``, if the input has ``mesh.accuracy``; otherwise empty.
+    sensitivities : tuple of Sensitivity
+        Derivatives of numbers in the combinations in which they govern, see `with_sensitivities`.
     accuracy_warning : str
         Why ``mesh.accuracy`` is not reached, and the elements and memory that would be needed; empty if it is reached.
 
@@ -82,6 +86,7 @@ class Results(States[str], Mapping[str, Result]):
     refinement: tuple[Refined, ...] = ()
     estimates: Mapping[str, Estimate] | None = None
     accuracy_warning: str = ""
+    sensitivities: tuple[Sensitivity, ...] = ()
     _combined: Combined | None = None
 
     def __getitem__(self, name: str) -> Result:
@@ -166,6 +171,25 @@ class Results(States[str], Mapping[str, Result]):
         """
         return rows_of(self.combined, self._combine)
 
+    def governing_value(self, name: str) -> tuple[float, int] | None:
+        """Value of a number in the combination in which it governs, and the number of the combination from 0.
+
+        The largest value of maxima and utilisations governs, the smallest of minima, of other numbers that with the
+        largest magnitude. None if no combination has the number.
+        """
+        catalogue = self.combined.layout.catalogue
+        place = catalogue.by_name[name]
+        what = catalogue.numbers[place].what
+        sides = self.envelope.values.sides
+        ends = [(float(values[place]), int(by[place])) for values, by in sides if by[place] != NONE]
+        if not ends:
+            return None
+        largest, smallest = ends[0], ends[-1]
+        if what.startswith("min"):
+            return smallest
+        rises = what.startswith("max") or what == "utilisation" or abs(largest[0]) >= abs(smallest[0])
+        return largest if rises else smallest
+
     def _combine(self, sink: Sink | None) -> Combined:
         if self.model.tabulated:
             return solve_rows(self.problem, watching(None, ""), sink)
@@ -243,3 +267,25 @@ class Results(States[str], Mapping[str, Result]):
         """Show the results in ``full`` in a notebook; many results have no pictures."""
         pictured = len(self.full) <= _PICTURED
         return "".join(in_notebook(result, None, "", pictured=pictured) for result in self.full.values())
+
+
+def with_sensitivities(results: Results, names: Sequence[str], watcher: Watcher) -> Results:
+    """Copy of the results with derivatives of numbers with respect to all parameters that act.
+
+    Each number is differentiated in the combination in which it governs.
+
+    Raises
+    ------
+    InputError
+        If there is no number of a name, no combination has it, or it has no derivatives.
+    """
+    found, numbers = list[Sensitivity](), results.combined.layout.catalogue.by_name if names else {}
+    for name in names:
+        governing = results.governing_value(known(name, numbers, "number", "sensitivity"))
+        if governing is None:
+            raise InputError(f"no combination has a value of {name}.", "sensitivity")
+        found.append(results[results.key(governing[1])].sensitivity(name))
+        for path in found[-1]:
+            watcher(Progress(stage="sensitivity", reached=f"{name} by {path}"))
+            found[-1].derivative(path)
+    return replace(results, sensitivities=tuple(found)) if found else results

@@ -27,9 +27,10 @@ class Progress:
     residual : float
         Largest residual force, relative to the largest nodal force, or another measure of convergence of the method; 1
         before the first step.
-    stage : {"mesh", "factor", "contact", "refined"}
+    stage : {"mesh", "factor", "contact", "refined", "sensitivity"}
         The stage that begins: "mesh" is meshing, "factor" assembly and factorization, "contact" the contact problem of
-        a combination. "refined" is the end of the solution on each mesh with ``mesh.accuracy``.
+        a combination. "refined" is the end of the solution on each mesh with ``mesh.accuracy``. "sensitivity" is the
+        derivative of a number with respect to a parameter.
     other_mesh : str
         Description of the other mesh that is being solved for ±, such as "twice its size"; empty for the mesh itself.
     mesh, meshes : int
@@ -39,7 +40,7 @@ class Progress:
     reached : str
         With ``mesh.accuracy``, the accuracy of the previous mesh: "mesh 3, ± 0.12 on 400 elements"; empty for the first
         mesh. At the end of a mesh: the accuracy on this mesh, with the elements and memory that the required accuracy
-        would take.
+        would take. In the stage "sensitivity": the number and the parameter.
     method : str
         Name of the method, such as "the active set"; empty before the first step. A new method begins at step 0.
 
@@ -53,7 +54,7 @@ class Progress:
     step: int = 0
     changing: int = 0
     residual: float = 1.0
-    stage: Literal["mesh", "factor", "contact", "refined"] = "contact"
+    stage: Literal["mesh", "factor", "contact", "refined", "sensitivity"] = "contact"
     other_mesh: str = ""
     mesh: int = 1
     meshes: int = 1
@@ -65,6 +66,8 @@ class Progress:
         """Write the state as one line."""
         if self.stage == "refined":
             return self.reached
+        if self.stage == "sensitivity":
+            return f"sensitivity of {self.reached}"
         text = self._text
         if self.other_mesh:
             text += f", on a mesh of {self.other_mesh}"

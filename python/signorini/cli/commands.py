@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, report, import-dxf, schema."""
+"""The command line: solve, check, path, report, verify, study, validate, import-dxf, schema, explain."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
@@ -48,6 +48,8 @@ _OPTIONS = {
     "pdf": "--pdf",
     "shard": "--shard",
     "scheduler": "--scheduler",
+    "case": "--case",
+    "sensitivity": "--sensitivity",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """Command-line option for each argument of `signorini.path` and `read_dxf`."""
@@ -78,6 +80,14 @@ Start = Annotated[
 Until = Annotated[
     float | None,
     typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+]
+SensitivityOf = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sensitivity",
+        metavar="NAME",
+        help='Differentiate a number, such as "soil.max_pressure", with respect to all parameters; repeatable.',
+    ),
 ]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
@@ -133,6 +143,7 @@ def solve(
     ] = None,
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
+    sensitivity: SensitivityOf = None,
     engine: Annotated[
         Literal["embedded", "petsc"],
         typer.Option(help="petsc: solve with PETSc and MUMPS, over all processes of mpiexec."),
@@ -153,6 +164,8 @@ def solve(
 
         if xlsx:
             package("xlsxwriter")
+        if ranks and sensitivity:
+            raise InputError("the engine petsc has no sensitivities. Take --engine embedded.", "--sensitivity")
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
@@ -160,7 +173,7 @@ def solve(
             with _room(room_for(directory, model), ranks) as temporary, progress_line() as show:
                 table = temporary / TABLE if temporary and model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table, ranks)
+                    results, estimates = _solved(model, show, table, sensitivity or (), ranks)
                 show("writing the results")
                 draw = artist.drawn if artist else None
                 write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
@@ -307,6 +320,46 @@ def verify(
             raise typer.Exit(1)
 
 
+@app.command(
+    short_help="Solve published cases, compare with their references.",
+    epilog="Example: signorini validate -o validation. Exit codes: 0 every verdict holds, 1 not every one.",
+)
+def validate(
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write a page and an input file a case. [default: none]"),
+    ] = None,
+    names: Annotated[
+        list[str] | None, typer.Option("--case", metavar="NAME", help="Only this case; repeatable. [default: all]")
+    ] = None,
+) -> None:
+    """Solve cases of known answer on several meshes; print the errors beside the tolerances, and the errors beside ±.
+
+    Cases are solved in processes, one per core.
+    """
+    with _messages():
+        from signorini.base.arguments import known
+        from signorini.cli.validation import print_validation
+        from signorini.validation import cases, outcomes, write_pages
+
+        chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
+        with progress_line() as show:
+            found = {}
+            for outcome in outcomes(chosen):
+                found[outcome.case.name] = outcome
+                show(f"{len(found)} of {len(chosen)} cases")
+        ordered = [found[name] for name in chosen]
+        print_validation(streams.stdout(), ordered)
+        if output is not None:
+            try:
+                write_pages(ordered, output)
+            except OSError as error:
+                raise SignoriniError(f"{output} cannot be written: {error.strerror}.") from None
+            streams.stdout().print(f"Written to {visible(output)}{os.sep}")
+        if not all(outcome.holds for outcome in ordered):
+            raise typer.Exit(1)
+
+
 def _limit(threads: int | None) -> None:
     """Limit the threads of the core."""
     if threads is not None:
@@ -333,6 +386,7 @@ def report(
     start: Start = None,
     until: Until = None,
     no_error: NoError = False,
+    sensitivity: SensitivityOf = None,
 ) -> None:
     """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
 
@@ -348,7 +402,7 @@ def report(
             raise InputError("a load path needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
         with progress_line() as show:
-            results, estimates = _solved(model, show)
+            results, estimates = _solved(model, show, sensitivity=sensitivity or ())
             followed = None if add is None else signorini.path(model, start, add, until, show)
             show("writing the report")
             target = output if output is not None else file.with_suffix(".html")
@@ -415,12 +469,18 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
 
 
 def _solved(
-    model: signorini.Model, show: Callable[[object], None], table: Path | None = None, engine: Engine | None = None
+    model: signorini.Model,
+    show: Callable[[object], None],
+    table: Path | None = None,
+    sensitivity: Sequence[str] = (),
+    engine: Engine | None = None,
 ) -> tuple[signorini.Results, Estimates | None]:
-    """Solve a model and, unless ``mesh.error`` is false, estimate its mesh errors."""
+    """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
+    from signorini.analysis.results import with_sensitivities
 
     results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
+    results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
 
 
@@ -535,21 +595,56 @@ def import_dxf(
 
 
 @app.command(
-    short_help="Print the JSON Schema of the input file.", epilog="Example: signorini schema > signorini.schema.json"
+    short_help="Print the JSON Schema of the input or of results.",
+    epilog="Example: signorini schema > signorini.schema.json",
 )
-def schema() -> None:
-    """Print the JSON Schema of the input file, for completion and checks in editors."""
+def schema(
+    results: Annotated[bool, typer.Option("--results", help="The schema of results.json.")] = False,
+    along_path: Annotated[bool, typer.Option("--path", help="The schema of path.json.")] = False,
+) -> None:
+    """Print the JSON Schema of the input file, for completion and checks in editors, or that of a file of results."""
     with _messages():
-        try:
-            # An output that is cut off is an error here, because no file has the schema.
-            sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
-            sys.stdout.flush()
-        except BrokenPipeError:
-            streams.discard(sys.stdout)
-            raise typer.Exit(1) from None
-        except OSError as error:
-            streams.discard(sys.stdout)
-            raise SignoriniError(f"the schema cannot be written to standard output: {error.strerror}.") from None
+        if along_path:
+            _print_json(signorini.results_schema("path.json"))
+        else:
+            _print_json(signorini.results_schema() if results else signorini.schema())
+
+
+@app.command(
+    short_help="Explain a key of the input or of results.",
+    epilog="Examples: signorini explain support.gap; signorini explain soil.max_pressure; signorini explain InputError",
+)
+def explain(
+    key: Annotated[
+        str, typer.Argument(metavar="KEY", help="A key, a number, a column or an error.", show_default=False)
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Explain a key of the input file, a key, number or column of results, or an error: meaning, unit, allowed values.
+
+    A key may be a path or its end, such as support.gap or gap.
+    """
+    with _messages():
+        from signorini.cli.explanations import print_explanations
+
+        found = signorini.explain(key)
+        if as_json:
+            _print_json([asdict(one) for one in found])
+        else:
+            print_explanations(streams.stdout(), found)
+
+
+def _print_json(value: object) -> None:
+    """Print a value as JSON. An output that is cut off is an error here, because no file has the value."""
+    try:
+        sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False) + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        streams.discard(sys.stdout)
+        raise typer.Exit(1) from None
+    except OSError as error:
+        streams.discard(sys.stdout)
+        raise SignoriniError(f"the JSON cannot be written to standard output: {error.strerror}.") from None
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:

@@ -18,6 +18,7 @@ from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.checks import print_checks
 from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, say_checked, unit_of
+from signorini.cli.sensitivities import print_sensitivities
 from signorini.cli.sentences import MAX_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
@@ -88,6 +89,7 @@ def print_verdicts(
     """Print the checks, the warnings and the singularities, and last the numbers of combinations with their names."""
     labels = labels or Labels(results)
     print_checks(console, results, estimates, labels)
+    print_sensitivities(console, results.sensitivities, labels)
     _print_refinement(console, results)
     told = warnings_of(results, estimates)
     _print_warnings(console, {sentence: [labels.code(name) for name in names] for sentence, names in told.items()})

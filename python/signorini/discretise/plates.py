@@ -33,16 +33,20 @@ from signorini.model import Model
 from signorini.model.parts import Part
 
 
-def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Discretise a model: mesh its plates, unless ``mesh`` is given, and convert supports and loads to arrays."""
+def discretise(model: Model, mesh: Mesh | Sequence[Mesh] | None = None) -> Discretisation:
+    """Discretise a model: mesh its plates, unless ``mesh`` is given, and convert supports and loads to arrays.
+
+    ``mesh`` is the mesh of a single plate, or a list with the mesh of each plate.
+    """
     made_by(model, Model, _advice(model), "model")
+    meshes: list[Mesh | None] = [mesh] if isinstance(mesh, Mesh) else list(mesh or ())
     if not model.plates:
-        return discretise_plate(model, mesh)
+        return discretise_plate(model, *meshes)
     parts, problems = model.parts, Problems()
     each: list[Discretisation] = []
-    for part in parts:
+    for part, own in zip(parts, meshes or [None] * len(parts), strict=True):
         with placing(part.place), problems.collected():
-            each.append(discretise_plate(part.model))
+            each.append(discretise_plate(part.model, own))
     problems.raise_collected()
     joints = _between(model, parts, each, problems)
     problems.raise_collected()

@@ -12,7 +12,6 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
-from signorini.model import Model
 from signorini.output.checks import checks_json
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
@@ -21,6 +20,7 @@ from signorini.output.warnings import warnings_of
 from signorini.results.figures import figures, joints, point_figures, total
 from signorini.results.line_reactions import LineReactions
 from signorini.results.result import Result
+from signorini.results.sensitivity import Sensitivity
 from signorini.results.support_result import SupportResult
 from signorini.singularities.singularity import Singularity
 
@@ -59,7 +59,7 @@ def results_json(
     options = {"pictures": pictures, "xlsx": xlsx, **({"engine": "petsc", "ranks": ranks} if ranks else {})}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json(options | _alone(results.model)),
+        **results.model.provenance.json(options | _asked(results)),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -76,6 +76,7 @@ def results_json(
         "groups": [
             _group(results, estimates, *group) for group in discretisation.model.effective_combinations.groups.items()
         ],
+        **({"sensitivities": [_sensitivity(one) for one in results.sensitivities]} if results.sensitivities else {}),
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
@@ -94,11 +95,35 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
 
 
-def _alone(model: Model) -> dict[str, Any]:
-    """Option of a result that is written by itself: its combination."""
-    if model.combination == model.original.combination:
-        return {}
-    return {"combination": model.combination[0].model_dump(include={"name", "group", "factors"})}
+def _asked(results: Results) -> dict[str, Any]:
+    """Further options: the combination of a result that is written by itself, and the names of sensitivities."""
+    model, names = results.model, [one.name for one in results.sensitivities]
+    asked: dict[str, Any] = {"sensitivity": names} if names else {}
+    if model.combination != model.original.combination:
+        asked["combination"] = model.combination[0].model_dump(include={"name", "group", "factors"})
+    return asked
+
+
+def _sensitivity(of: Sensitivity) -> dict[str, Any]:
+    """Return an entry of the key "sensitivities"; missing numbers and infinite ends are None."""
+
+    def finite(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    return {
+        "name": of.name,
+        "combination": of.combination,
+        "value": finite(of.value),
+        "unit": of.unit,
+        "parameters": [
+            {
+                **{"path": one.path, "value": one.value, "unit": one.unit, "derivative": finite(one.derivative)},
+                **{"derivative_unit": one.derivative_unit},
+                **{"elasticity": finite(one.elasticity), "valid": [finite(end) for end in one.valid], "why": one.why},
+            }
+            for one in of.derivatives
+        ],
+    }
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 from signorini.analysis.estimate import estimate_asked, estimate_path, estimates_of
 from signorini.analysis.path import path as load_path
-from signorini.analysis.results import alone
+from signorini.analysis.results import alone, with_sensitivities
 from signorini.analysis.solve import solve
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
@@ -248,7 +248,7 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
         return path_json(found, estimate)
     if own := _table(options.get("combination")):
         model = alone(model, Combination(**own))
-    results = solve(model, watcher)
+    results = with_sensitivities(solve(model, watcher), options.get("sensitivity", ()), watcher)
     told = [stored.get("envelope"), *(of if isinstance(of := stored.get("combinations"), list) else [])]
     estimated = model.estimated or any(_table(one).get("plus_minus") is not None for one in told)
     return results_json(

@@ -450,6 +450,33 @@ def punching(of: Contents) -> Iterator[Block]:
             yield Text(write("links" if enough else "no_links"), "warning" if enough else "bad")
 
 
+def sensitivities(of: Contents) -> Iterator[Block]:
+    """Yield a table of the derivatives of each number, in the combination in which it governs."""
+    write, each = of.write, of.values.get("sensitivities", ())
+    if each:
+        yield Text(write("sensitivity_words"))
+    pairs = ("value", "unit"), ("derivative", "derivative_unit")
+    head = [write(key) for key in ("parameter", "value", "derivative", "elasticity", "valid_from", "valid_to")]
+    for one in each:
+        rows = [
+            [
+                Cell(row["path"]),
+                *(_with_unit(write, row[key], row[unit]) for key, unit in pairs),
+                *map(write.number, (row["elasticity"], *row["valid"])),
+            ]
+            for row in one["parameters"]
+        ]
+        value = _with_unit(write, one["value"], one["unit"])
+        yield Table(f"{one['name']} = {value.text} ({of.code(one['combination'])})", head, rows)
+        yield from (Text(f"{row['path']}: {row['why']}", english=True) for row in one["parameters"] if row["why"])
+
+
+def _with_unit(write: Writer, value: float | None, unit: str) -> Cell:
+    """Cell of a number with its unit."""
+    cell = write.number(value)
+    return cell if value is None else Cell(f"{cell.text} {unit}".rstrip(), value)
+
+
 def warnings(of: Contents) -> Iterator[Block]:
     """Yield each warning with the combinations that it is about, and the places without a limit."""
     for one in of.values["warnings"]:

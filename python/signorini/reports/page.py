@@ -62,6 +62,7 @@ _SECTIONS: Mapping[str, Callable[[Contents], Iterator[Block]]] = {
     "load_path": numbers.load_path,
     "reinforcement": design.reinforcement,
     "punching": numbers.punching,
+    "sensitivities": numbers.sensitivities,
     "warnings": numbers.warnings,
     "input": lambda of: iter([Text(of.source, "verbatim")]),
     "glossary": sections.glossary,

@@ -13,6 +13,7 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit, number
 from signorini.equilibrium.balance import NO_FORCE
+from signorini.model.key_units import unit_of
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
 from signorini.reports.names import numbered, short
@@ -23,23 +24,6 @@ from signorini.results.quantities import PICTURED, Quantity, in_model
 _MOST_ROWS = 500
 """Largest number of combinations that are listed."""
 _PLACES = ("at", "edge", "line", "circle", "area", "nodes", "shape")
-_UNITS = {
-    **dict.fromkeys(("E", "Ex", "Ey", "Gxy", "Gxz", "Gyz", "pressure", "fck", "fyk"), -2),
-    **dict.fromkeys(("line_load", "Sx", "Sy"), -1),
-    **dict.fromkeys(("unit_weight",), -3),
-    **dict.fromkeys(("force", "preload", "preload_force"), 0),
-    **dict.fromkeys(("couple", "moment", "couple_about", "Dx", "Dy", "D1", "Dxy"), 1),
-}
-"""Exponent of the length in units of keys of the input that are forces."""
-_OF_PLACES = {"stiffness": -1, "limit": 0, "rotational_stiffness": 1}
-"""Exponent of the length in units of keys that are per point; along lines and on areas they are per length and area."""
-_PER = {"edge": -1, "line": -1, "circle": -1, "area": -2}
-_LENGTHS = frozenset(
-    (
-        *("thickness", "gap", "settlement", "radius", "size", "inner", "outer", "d", "bar", "column", "diameter"),
-        *("patch", "top", "bottom", "d_top", "d_bottom"),
-    )
-)
 
 
 @dataclass(frozen=True)
@@ -146,12 +130,7 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
 
 def value_of(of: Contents, key: str, value: Any, table: Mapping[str, Any] | None = None) -> Cell:
     """Cell of a value of the input with its unit, if the unit of its key is known; ``table`` has the place."""
-    units = of.write.units
-    power = _UNITS.get(key)
-    if table is not None and key in _OF_PLACES:
-        power = _OF_PLACES[key] + next((_PER[place] for place in _PER if place in table), 0)
-    unit = units.length if key in _LENGTHS else "°" if key == "angle" else ""
-    unit = unit if power is None else units.force_by_length(power)
+    unit = "°" if key == "angle" else unit_of(key, of.write.units, table)
     return Cell(f"{_words(of, value)} {unit}".rstrip())
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -21,6 +22,7 @@ from signorini.results.frames import numbers_frame
 from signorini.results.local_results import ProbeResult, probe_results, total_pressure
 from signorini.results.notebook import in_notebook
 from signorini.results.quantities import LINEAR
+from signorini.results.sensitivity import Sensitivity
 from signorini.results.state import ResultState
 from signorini.results.support_result import areas_below
 from signorini.results.vtk import vtk_fields
@@ -35,7 +37,7 @@ Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 @checked
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(ResultState):
-    """Results of one combination, with methods for pictures and files; `ResultState` has the fields and numbers."""
+    """Results of one combination, with methods for pictures and files; docs/python.md lists its arrays and numbers."""
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate, one `ProbeResult` for each.
@@ -115,6 +117,48 @@ class Result(ResultState):
             If no field has that name, no area support has a pressure, or the limits are not an interval.
         """
         return draw_field(self, field, ax, limits, plus_minus)
+
+    def sensitivity(self, name: str) -> Sensitivity:
+        """Derivatives of a number with respect to gaps, stiffnesses, limits, preloads, thickness, moduli and loads.
+
+        The contact state is fixed: each contact point stays on its piece of its law (direct differentiation: Haftka and
+        Gürdal 1992, section 7.2). Each parameter takes one solve with a factor that is computed once for the result.
+
+        Parameters
+        ----------
+        name : str
+            Name of a number as in thresholds: "soil.max_pressure", "probe[1].deflection", "check:NAME.utilisation".
+
+        Returns
+        -------
+        Sensitivity
+            A mapping from paths as in a study, such as "support.soil.stiffness", to derivatives in the units of the
+            input. ``valid[path]`` is the range of the parameter in which no point changes its piece, to first order.
+
+        Raises
+        ------
+        InputError
+            If there is no such number, it is a count, there is no equilibrium, or the answer is not unique.
+
+        Examples
+        --------
+        A rigid block on soil: the pressure is the force over the area.
+
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [2, 2], "thickness": 1.0},
+        ...     mesh={"divisions": [2, 2]},
+        ...     support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}],
+        ...     load=[{"force": 8e3, "at": [1, 1]}],
+        ... )
+        >>> found = solve(model)["all"].sensitivity("soil.reaction")
+        >>> round(found["load[1].force"], 6), [round(end) for end in found.valid["load[1].force"][:1]]
+        (1.0, [0])
+        """
+        # Sensitivities solve variants of the model; a plain solve does not import them.
+        found: Sensitivity = import_module("signorini.sensitivities.direct").of_result(self, name)
+        return found
 
     def to_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a .vtu file with every field; the displacement vector points down (−z) where the plate moves down.

@@ -15,8 +15,6 @@ from signorini.base.provenance import commit
 from signorini.base.reuse import Reuse
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, Place, SignoriniError
 from signorini.model import Model, validate
-from signorini.results.envelope import NONE
-from signorini.results.quantities import Number
 from signorini.studies.parameters import Value, changed
 
 _REUSE = Reuse()
@@ -115,19 +113,12 @@ def solved(variant: Variant) -> Row:
 
 def _numbers(results: Results, estimates: Estimates | None, name: str) -> Row:
     """Value, half-width and combination of one result; NaN and "" where no combination has the number."""
-    catalogue = results.combined.layout.catalogue
-    place = catalogue.by_name[name]
-    one: Number = catalogue.numbers[place]
-    ends = [(float(values[place]), int(by[place])) for values, by in results.envelope.values.sides if by[place] != NONE]
-    if not ends:
+    governing = results.governing_value(name)
+    if governing is None:
         return {}
-    largest, smallest = ends[0], ends[-1]
-    if one.what.startswith("min"):
-        value, row = smallest
-    elif one.what.startswith("max") or one.what == "utilisation" or abs(largest[0]) >= abs(smallest[0]):
-        value, row = largest
-    else:
-        value, row = smallest
+    value, row = governing
+    catalogue = results.combined.layout.catalogue
+    one = catalogue.numbers[catalogue.by_name[name]]
     width = None if estimates is None else estimates.half_width(one.column, row)
     return {
         name: value,

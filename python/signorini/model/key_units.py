@@ -1,0 +1,51 @@
+"""Units of keys of the input, as exponents of force and length."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from signorini.model.whole import Units
+
+_FORCES = {
+    **dict.fromkeys(("E", "Ex", "Ey", "Gxy", "Gxz", "Gyz", "pressure", "fck", "fyk"), -2),
+    **dict.fromkeys(("line_load", "Sx", "Sy"), -1),
+    **dict.fromkeys(("unit_weight",), -3),
+    **dict.fromkeys(("force", "preload", "preload_force"), 0),
+    **dict.fromkeys(("couple", "moment", "couple_about", "Dx", "Dy", "D1", "Dxy"), 1),
+}
+"""Exponent of the length in units of keys that are forces."""
+_OF_PLACES = {"stiffness": -1, "limit": 0, "rotational_stiffness": 1}
+"""Exponent of the length in units of keys that are per point; along lines and on areas they are per length and area."""
+_PER = {"edge": -1, "line": -1, "circle": -1, "area": -2}
+_LENGTHS = frozenset(
+    (
+        *("thickness", "gap", "settlement", "radius", "size", "inner", "outer", "d", "bar", "column", "diameter"),
+        *("patch", "top", "bottom", "d_top", "d_bottom"),
+    )
+)
+
+
+def dimension(key: str, table: Mapping[str, Any] | None = None) -> tuple[int, int]:
+    """Exponents of force and length in the unit of a key; ``table``, if not None, has the place of the key.
+
+    They are (0, 0) for keys without a unit.
+
+    Examples
+    --------
+    >>> dimension("pressure"), dimension("stiffness", {"area": "all"}), dimension("nu")
+    ((1, -2), (1, -3), (0, 0))
+    """
+    if key in _FORCES:
+        return 1, _FORCES[key]
+    if table is not None and key in _OF_PLACES:
+        return 1, _OF_PLACES[key] + next((_PER[place] for place in _PER if place in table), 0)
+    return 0, int(key in _LENGTHS) - (key == "curvature")
+
+
+def unit_of(key: str, units: Units, table: Mapping[str, Any] | None = None) -> str:
+    """Label of the unit of a key; empty without a unit, or if the model does not name units."""
+    force, length = dimension(key, table)
+    if force:
+        return units.force_by_length(length)
+    return {1: units.length, -1: f"1/{units.length}" if units.length else ""}.get(length, "")
