@@ -30,10 +30,15 @@ format:
     cargo fmt --all
     ruff format
 
-# Write the generated pages, then build the site
+# Write the generated pages, those of validation too, then build the site
 docs:
     python docs/tables.py
+    signorini validate -o docs/validation
     sphinx-build -nW --keep-going docs docs/_build/html
+
+# Solve every validation case, write its page
+validate:
+    signorini validate -o docs/validation
 
 # Check the answers of the benchmarks, without timing
 bench:
