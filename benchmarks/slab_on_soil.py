@@ -90,7 +90,7 @@ def compare(elements: int, peer_elements: int, repeat: int) -> None:
     for turn in range(repeat):
         mine.append(run(__file__, "--run", "--elements", elements))
         if python and turn < 3:
-            theirs.append(run(str(PEER), peer_elements, python=python))
+            theirs.append(run(str(PEER), "A", peer_elements, python=python))
     us = median(mine)
     show("ours", elements, us)
     print(f"         warm {us['warm']:.3f} s, imports {us['imports']:.2f} s; accurate enough: {accurate(us)}")
@@ -109,7 +109,7 @@ def check() -> None:
     show("ours", 40, us)
     passed = accurate(us)
     if python := peer_python():
-        them = run(str(PEER), 40, python=python)
+        them = run(str(PEER), "A", 40, python=python)
         show("GetFEM", 40, them)
         passed &= abs(them["settlement"] / us["settlement"] - 1) < 1e-3 and abs(them["contact"] - us["contact"]) < 5e-3
     sys.exit(0 if passed else 1)

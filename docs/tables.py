@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import signorini
+from signorini.output.explain import allowed, inner
 from signorini.results.quantities import Number
 
 Node = dict[str, Any]
@@ -15,7 +16,6 @@ _KEYS = """# Keys of the input file
 `python docs/tables.py` generates this page from the schema. [input.md](input.md) explains the keys in context.
 
 Bounds hold for every number of a list and for every value of an expression."""
-_BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}
 _QUANTITIES = """# Numbers of results
 
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
@@ -51,26 +51,13 @@ punching = [{ support = "COLUMNS", code = "ACI 318-19", d = [0.15, 0.15], fck = 
 """
 
 
-def _inner(node: Node) -> list[Node]:
-    """Schemas of alternatives, list items and mapping values in a schema."""
-    found = [*node.get("anyOf", ()), *node.get("oneOf", ()), node.get("items"), node.get("additionalProperties")]
-    return [one for one in found if isinstance(one, dict)]
-
-
 def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
     """Name and schema of each table that is allowed as the value of a key."""
     if "$ref" in node:
         return [(name := node["$ref"].rpartition("/")[2], definitions[name])]
     if "properties" in node:
         return [("FieldTable", node)]
-    return [found for one in _inner(node) for found in _tables(one, definitions)]
-
-
-def _range(node: Node) -> str:
-    """Allowed words of a value, or bounds of its numbers, as text."""
-    own = ", ".join(f"`{json.dumps(word)}`" for word in node.get("enum", ()))
-    own = own or " and ".join(text.format(node[key]) for key, text in _BOUNDS.items() if key in node)
-    return own or next((found for one in _inner(node) if (found := _range(one))), "")
+    return [found for one in inner(node) for found in _tables(one, definitions)]
 
 
 def _section(title: str, *columns: str) -> str:
@@ -82,7 +69,7 @@ def _row(key: str, node: Node, required: bool) -> str:
     """Table row that describes a key."""
     default, text = node.get("default"), node["description"].rstrip(".").replace("|", "\\|")
     shown = "" if default in (None, []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
-    return f"| `{key}` | {text} | {_range(node)} | {'required' if required else shown} |"
+    return f"| `{key}` | {text} | {allowed(node, '`{}`')} | {'required' if required else shown} |"
 
 
 def keys() -> str:

@@ -292,7 +292,7 @@ def test_a_schema_that_goes_nowhere_is_an_error() -> None:
         command = [sys.executable, "-m", "signorini", "schema"]
         schema = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
     assert schema.returncode == 1
-    assert schema.stderr == "Error: the schema cannot be written to standard output: No space left on device.\n"
+    assert "standard output: No space left on device" in schema.stderr
 
 
 def test_a_terminal_without_the_symbols_gets_plain_ones(slab: Path) -> None:

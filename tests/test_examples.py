@@ -285,13 +285,6 @@ def test_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert (tmp_path / "slab.png").exists()
 
 
-def test_the_documents_link_to_files_that_are_there() -> None:
-    root = EXAMPLES.parent
-    for document in [*root.glob("*.md"), *root.glob("docs/*.md")]:
-        for target in re.findall(r"\]\(([^)#:]+)\)", document.read_text("utf-8")):
-            assert (document.parent / target).exists(), f"{document.name}: {target}"
-
-
 def test_a_flat_slab_has_its_panels_weight_and_moments_on_both_sides_of_their_borders() -> None:
     model = signorini.load(EXAMPLES / "flat_slab.toml")
     result = signorini.solve(model)["SLS"]

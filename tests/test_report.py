@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
@@ -27,7 +27,6 @@ from signorini.reports.blocks import Table, Text, Writer
 from signorini.reports.sections import Contents
 from signorini.results import quantities
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 BAD = "<script>alert(1)</script>"
 NAMED = "\"soil\" & 'sand' </script><img src=x onerror=alert(2)>"
 
@@ -102,17 +101,6 @@ def solved() -> tuple[signorini.Results, Any]:
 @pytest.fixture(scope="module")
 def text(solved: tuple[signorini.Results, Any]) -> str:
     return page.page(*solved, "title = '''</pre>" + BAD + "'''")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("no Chromium is installed")
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as run:
-        one = run.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield one
-        one.close()
 
 
 def contents(solved: tuple[signorini.Results, Any], **more: Any) -> Contents:
@@ -450,9 +438,8 @@ def test_paper_has_every_folded_table_and_a_picture_of_every_field(browser: Any,
     assert shown.errors == []
 
 
+@pytest.mark.usefixtures("chromium")
 def test_pdf_has_the_title_block_on_every_page(tmp_path: Path, solved: tuple[signorini.Results, Any]) -> None:
-    if CHROMIUM is None:
-        pytest.skip("no Chromium is installed")
     html, pdf = signorini.report(solved[0], tmp_path / "slab.html", solved[1], pdf=True)
     assert html.suffix == ".html" and pdf.read_bytes().startswith(b"%PDF")
     if shutil.which("pdftotext") is None:

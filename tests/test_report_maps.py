@@ -22,8 +22,6 @@ from signorini.reports.maps import MapData, assets, assets_html, map_data, map_h
 from signorini.results.quantities import FIELDS, PICTURED, in_model
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WHOLE = "const v = document.querySelector('.signorini-map').signoriniMap;"
 
 
@@ -86,17 +84,6 @@ class Shown:
 
 
 Opened = Callable[..., Shown]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("no Chromium is installed")
-    with driver.sync_playwright() as run:
-        one = run.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
-        yield one
-        one.close()
 
 
 @pytest.fixture

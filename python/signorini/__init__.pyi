@@ -19,6 +19,8 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini.formats.inputfile import load, loads, schema
 from signorini.mesh.mesh import Mesh
 from signorini.model import *
+from signorini.output.explain import Explanation, explain
+from signorini.output.schema import results_schema
 from signorini.output.verification import Difference, Verification, verify
 from signorini.output.writing import write
 from signorini.reports.page import report
@@ -42,15 +44,15 @@ from signorini.studies.summary import Study
 __all__ = [
     "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Case", "Catalogue", "Certificate", "Check",
     "CheckResult", "Circle", "ColumnResult", "Combination", "Contact", "ContactProblem", "Cover", "Derivative",
-    "Difference", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath", "FieldExtremes", "FieldTable",
-    "Form", "Gamma", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath", "Material", "Mesh", "MeshOptions",
-    "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError", "NotCertifiedError", "NotUnique", "Output",
-    "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile",
+    "Difference", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath", "Explanation", "FieldExtremes",
+    "FieldTable", "Form", "Gamma", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath", "Material", "Mesh",
+    "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError", "NotCertifiedError", "NotUnique",
+    "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate", "Probe", "ProbeResult", "Profile",
     "ProfileResult", "Progress", "Punching", "RectanglePlate", "Refinement", "Reinforcement", "Report", "Result",
     "Results", "RowProblem", "Section", "SectionResult", "Sensitivity", "SignoriniError", "Singularity", "Solver",
     "StationResult", "Stiffness", "Strip", "StripResult", "Study", "Support", "SupportResult", "Threshold",
     "Tightening", "Units", "Verification", "Zone", "__version__", "check_results", "contact_problem", "estimate",
-    "lemke", "load", "loads", "path", "recover", "report", "schema", "solve", "study", "tightened", "validate",
-    "verify", "with_rows", "write",
+    "explain", "lemke", "load", "loads", "path", "recover", "report", "results_schema", "schema", "solve", "study",
+    "tightened", "validate", "verify", "with_rows", "write",
 ]
 # fmt: on

@@ -37,8 +37,8 @@ class InputError(SignoriniError, ValueError):
     ----------
     message : str
         The value found, the values allowed, and the remedy.
-        place : str or tuple of str and int
-            A path in the model such as ``("support", 1, "stiffness")``, or text: an argument, or a file and line.
+    place : str or tuple of str and int
+        A path in the model such as ``("support", 1, "stiffness")``, or text: an argument, or a file and line.
 
     Attributes
     ----------

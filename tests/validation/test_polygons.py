@@ -34,43 +34,6 @@ def arcs(places):
     return [closed[0], *({"through": m, "to": b} for m, b in zip(closed[1::2], closed[2::2], strict=True))]
 
 
-@pytest.mark.parametrize(("fix", "exact"), [("simple", 703.425), ("clamped", 178.425)])
-def test_a_disc_of_two_arcs_takes_the_values_of_code_aster(fix, exact):
-    """SSLS101 and SSLS100: R = 1, h = 0.1, with E = 1 and p = 1."""
-    points = arcs([[1, 0], [0, 1], [-1, 0], [0, -1]])
-    support = [{"edge": ["edge 1", "edge 2"], "fix": fix}]
-    errors = [abs(deflection(solved(points, h, 0.1, support, [0, 0])) * E / exact - 1) for h in (0.4, 0.2, 0.1)]
-    assert errors[0] < 1.2e-2
-    assert errors[2] < 5e-5
-    assert errors[2] < 0.1 * errors[0]
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.4])
-def test_an_equilateral_triangle_on_hard_edges_takes_its_closed_form(turn):
-    """Height a, at the centroid: qa⁴/972D (Timoshenko, Woinowsky-Krieger 1959), and qa²/27κGh from shear."""
-    a, h = 3.0, 0.15
-    angles = turn + np.radians([0.0, 120.0, 240.0])
-    points = (2 * a / 3 * np.column_stack([np.cos(angles), np.sin(angles)])).tolist()
-    exact = a**4 / (972 * stiffness(h)) + a**2 / (27 * 5 / 6 * E / (2 * (1 + NU)) * h)
-    support = [{"edge": [f"edge {i}" for i in (1, 2, 3)], "fix": "hard"}]
-    errors = [abs(deflection(solved(points, size, h, support, [0, 0])) / exact - 1) for size in (0.6, 0.3, 0.15)]
-    assert errors[0] < 1e-3
-    assert errors[2] < 5e-5
-    assert errors[2] < 0.2 * errors[0]
-
-
-def test_a_clamped_ellipse_of_arcs_takes_its_closed_form():
-    """w₀ = q/(D(24/a⁴ + 24/b⁴ + 16/a²b²)), thin (Timoshenko, Woinowsky-Krieger 1959)."""
-    a, b, h = 2.0, 1.2, 0.005
-    turn = np.linspace(0, 2 * np.pi, 64, endpoint=False)
-    points = arcs(np.column_stack([a * np.cos(turn), b * np.sin(turn)]).tolist())
-    exact = 1 / (stiffness(h) * (24 / a**4 + 24 / b**4 + 16 / (a * b) ** 2))
-    support = [{"edge": [f"edge {i}" for i in range(1, 33)], "fix": "clamped"}]
-    results = solved(points, 0.2, h, support, [0, 0])
-    assert deflection(results) == pytest.approx(exact, rel=5e-4)
-    assert results.discretisation.mesh.element_area.sum() == pytest.approx(np.pi * a * b, rel=1e-4)
-
-
 def test_a_rectangle_as_a_polygon_is_the_rectangle():
     common = {
         "material": {"E": E, "nu": NU},

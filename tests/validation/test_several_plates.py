@@ -45,11 +45,10 @@ def two_squares(thick: float, thin: float, loaded: str, divisions: tuple[int, in
     )
 
 
-@pytest.mark.parametrize("divisions", [(8, 8), (7, 9)])
-def test_touching_plates_share_a_load_as_their_bending_stiffnesses(divisions):
+def test_touching_plates_of_different_meshes_share_a_load_as_their_bending_stiffnesses():
     """Equal outline, support and deflection: the lower one carries D₂ / (D₁ + D₂) of the load."""
     thick, thin = 0.04, 0.02
-    result = solve(two_squares(thick, thin, "upper", divisions))["all"]
+    result = solve(two_squares(thick, thin, "upper", (7, 9)))["all"]
     part = thin**3 / (thick**3 + thin**3)
     alone = Model(
         material=STEEL,
@@ -60,33 +59,6 @@ def test_touching_plates_share_a_load_as_their_bending_stiffnesses(divisions):
     )
     deflection = solve(alone)["all"].deflection.max()
     assert result.plates["upper"].deflection.max() == pytest.approx((1.0 - part) * deflection, rel=1e-3)
-    if divisions == (8, 8):
-        assert result.reactions["touching"] == pytest.approx(part * 16e3, rel=2e-3)
-
-
-def test_a_load_on_the_lower_plate_leaves_no_force_between_them():
-    result = solve(two_squares(0.04, 0.02, "lower"))["all"]
-    assert result.reactions["touching"] == 0.0
-    assert not result.plates["upper"].deflection.any()
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_stacked_cantilevers_touch_at_the_tip_alone_and_share_its_load(way):
-    """Under a load at the tip both bend alike, so that P D₂ / (D₁ + D₂) passes there; pulled up, no force does."""
-    thick, thin = 0.05, 0.04
-    model = Model(
-        material=STEEL,
-        plates={"upper": strip(thick), "lower": strip(thin)},
-        support=[{"plate": name, "edge": "left", "fix": "clamped"} for name in ("upper", "lower")],
-        contact=[{"name": "tip", "between": ["upper", "lower"], "line": [[4, 0], [4, 0.5]]}],
-        load=[{"plate": "upper", "line_load": way * 1e3, "edge": "right"}],
-    )
-    result = solve(model)["all"]
-    part = thin**3 / (thick**3 + thin**3) if way > 0 else 0.0
-    assert result.reactions["tip"] == pytest.approx(part * 500.0, rel=1e-3)
-    rigidity = 210e9 * (thick**3 + (thin**3 if way > 0 else 0.0)) / 12
-    tip = result.plates["upper"].probe([4, 0.25])[0].deflection
-    assert tip == pytest.approx(way * 1e3 * 4**3 / (3 * rigidity), rel=2e-3)
 
 
 def test_a_plate_on_a_rigid_one_is_a_plate_on_a_bed():

@@ -188,7 +188,7 @@ def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> R
 
     def on(pushing: Bools) -> Result:
         exact = np.zeros(len(s))
-        exact[pushing] = np.linalg.lstsq(matrix[np.ix_(pushing, pushing)], s[pushing])[0]
+        exact[pushing] = np.linalg.lstsq(matrix[np.ix_(pushing, pushing)], s[pushing], rcond=None)[0]
         _require_same(problem, given, exact, unit, size)
         own = exact[count:]
         result = _recover(problem.problem, name, _beside(load, problem.rows.T @ own), exact[:count])

@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, import-dxf, schema."""
+"""The command line: solve, check, path, report, verify, study, validate, import-dxf, schema, explain."""
 
 from signorini.cli.commands import app, main
 

@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, report, import-dxf, schema."""
+"""The command line: solve, check, path, report, verify, study, validate, import-dxf, schema, explain."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
-from dataclasses import replace
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FrameType
@@ -28,6 +28,7 @@ from signorini_command import ASKED
 
 if TYPE_CHECKING:
     from signorini.analysis.estimate import Estimates
+    from signorini.mpi.engine import Engine
 
 _MAX_REASONS = 20
 """Largest number of combinations without equilibrium for which the reason is printed."""
@@ -47,6 +48,7 @@ _OPTIONS = {
     "pdf": "--pdf",
     "shard": "--shard",
     "scheduler": "--scheduler",
+    "case": "--case",
     "sensitivity": "--sensitivity",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
@@ -142,6 +144,10 @@ def solve(
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write results.xlsx, a spreadsheet.")] = False,
     no_error: NoError = False,
     sensitivity: SensitivityOf = None,
+    engine: Annotated[
+        Literal["embedded", "petsc"],
+        typer.Option(help="petsc: solve with PETSc and MUMPS, over all processes of mpiexec."),
+    ] = "embedded",
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
@@ -150,7 +156,7 @@ def solve(
     from signorini.plot.artist import Artist, cores
 
     without_artist = pictures == "none" or threads == 1 or cores() == 1
-    with _messages(file), nullcontext() if without_artist else Artist() as artist:
+    with _messages(file), _ranks(engine) as ranks, nullcontext() if without_artist else Artist() as artist:
         from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
@@ -158,16 +164,19 @@ def solve(
 
         if xlsx:
             package("xlsxwriter")
+        if ranks and sensitivity:
+            raise InputError("the engine petsc has no sensitivities. Take --engine embedded.", "--sensitivity")
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with room_for(directory, model) as temporary, progress_line() as show:
-                table = temporary / TABLE if model.tabulated else None
+            with _room(room_for(directory, model), ranks) as temporary, progress_line() as show:
+                table = temporary / TABLE if temporary and model.tabulated else None
                 with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table, sensitivity or ())
+                    results, estimates = _solved(model, show, table, sensitivity or (), ranks)
                 show("writing the results")
-                write_results(results, directory, estimates, table, pictures, xlsx, artist.drawn if artist else None)
+                draw = artist.drawn if artist else None
+                write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
@@ -311,6 +320,46 @@ def verify(
             raise typer.Exit(1)
 
 
+@app.command(
+    short_help="Solve published cases, compare with their references.",
+    epilog="Example: signorini validate -o validation. Exit codes: 0 every verdict holds, 1 not every one.",
+)
+def validate(
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write a page and an input file a case. [default: none]"),
+    ] = None,
+    names: Annotated[
+        list[str] | None, typer.Option("--case", metavar="NAME", help="Only this case; repeatable. [default: all]")
+    ] = None,
+) -> None:
+    """Solve cases of known answer on several meshes; print the errors beside the tolerances, and the errors beside ±.
+
+    Cases are solved in processes, one per core.
+    """
+    with _messages():
+        from signorini.base.arguments import known
+        from signorini.cli.validation import print_validation
+        from signorini.validation import cases, outcomes, write_pages
+
+        chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
+        with progress_line() as show:
+            found = {}
+            for outcome in outcomes(chosen):
+                found[outcome.case.name] = outcome
+                show(f"{len(found)} of {len(chosen)} cases")
+        ordered = [found[name] for name in chosen]
+        print_validation(streams.stdout(), ordered)
+        if output is not None:
+            try:
+                write_pages(ordered, output)
+            except OSError as error:
+                raise SignoriniError(f"{output} cannot be written: {error.strerror}.") from None
+            streams.stdout().print(f"Written to {visible(output)}{os.sep}")
+        if not all(outcome.holds for outcome in ordered):
+            raise typer.Exit(1)
+
+
 def _limit(threads: int | None) -> None:
     """Limit the threads of the core."""
     if threads is not None:
@@ -420,14 +469,50 @@ def _loaded(file: Path, no_error: bool) -> signorini.Model:
 
 
 def _solved(
-    model: signorini.Model, show: Callable[[object], None], table: Path | None = None, sensitivity: Sequence[str] = ()
+    model: signorini.Model,
+    show: Callable[[object], None],
+    table: Path | None = None,
+    sensitivity: Sequence[str] = (),
+    engine: Engine | None = None,
 ) -> tuple[signorini.Results, Estimates | None]:
     """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
     from signorini.analysis.results import with_sensitivities
 
-    results = with_sensitivities(signorini.solve(model, progress=show, table=table), sensitivity, show)
+    results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
+    results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
+
+
+@contextmanager
+def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
+    """Context with a room for results; with the engine petsc the room is only checked.
+
+    If a rank dies, MPI kills the others at once, so that none of them could remove a directory.
+    """
+    with room as temporary:
+        if engine is None:
+            yield temporary
+            return
+    yield None
+
+
+@contextmanager
+def _ranks(engine: str) -> Iterator[Engine | None]:
+    """Context with the engine petsc; all ranks except 0 take part in its jobs and end here. None if embedded."""
+    if engine == "embedded":
+        yield None
+        return
+    from signorini.mpi.engine import Engine
+
+    started = Engine()
+    if started.ranks.rank:
+        started.ranks.serve()
+        raise typer.Exit
+    try:
+        yield started
+    finally:
+        started.ranks.end()
 
 
 def _numbers(text: str) -> list[float]:
@@ -510,21 +595,56 @@ def import_dxf(
 
 
 @app.command(
-    short_help="Print the JSON Schema of the input file.", epilog="Example: signorini schema > signorini.schema.json"
+    short_help="Print the JSON Schema of the input or of results.",
+    epilog="Example: signorini schema > signorini.schema.json",
 )
-def schema() -> None:
-    """Print the JSON Schema of the input file, for completion and checks in editors."""
+def schema(
+    results: Annotated[bool, typer.Option("--results", help="The schema of results.json.")] = False,
+    along_path: Annotated[bool, typer.Option("--path", help="The schema of path.json.")] = False,
+) -> None:
+    """Print the JSON Schema of the input file, for completion and checks in editors, or that of a file of results."""
     with _messages():
-        try:
-            # An output that is cut off is an error here, because no file has the schema.
-            sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
-            sys.stdout.flush()
-        except BrokenPipeError:
-            streams.discard(sys.stdout)
-            raise typer.Exit(1) from None
-        except OSError as error:
-            streams.discard(sys.stdout)
-            raise SignoriniError(f"the schema cannot be written to standard output: {error.strerror}.") from None
+        if along_path:
+            _print_json(signorini.results_schema("path.json"))
+        else:
+            _print_json(signorini.results_schema() if results else signorini.schema())
+
+
+@app.command(
+    short_help="Explain a key of the input or of results.",
+    epilog="Examples: signorini explain support.gap; signorini explain soil.max_pressure; signorini explain InputError",
+)
+def explain(
+    key: Annotated[
+        str, typer.Argument(metavar="KEY", help="A key, a number, a column or an error.", show_default=False)
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Explain a key of the input file, a key, number or column of results, or an error: meaning, unit, allowed values.
+
+    A key may be a path or its end, such as support.gap or gap.
+    """
+    with _messages():
+        from signorini.cli.explanations import print_explanations
+
+        found = signorini.explain(key)
+        if as_json:
+            _print_json([asdict(one) for one in found])
+        else:
+            print_explanations(streams.stdout(), found)
+
+
+def _print_json(value: object) -> None:
+    """Print a value as JSON. An output that is cut off is an error here, because no file has the value."""
+    try:
+        sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False) + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        streams.discard(sys.stdout)
+        raise typer.Exit(1) from None
+    except OSError as error:
+        streams.discard(sys.stdout)
+        raise SignoriniError(f"the JSON cannot be written to standard output: {error.strerror}.") from None
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:

@@ -22,12 +22,12 @@ PATH_GRACE = 30.0
 
 
 @contextmanager
-def exit_on_signal(temporary: Path, grace: float = _GRACE) -> Iterator[None]:
+def exit_on_signal(temporary: Path | None, grace: float = _GRACE) -> Iterator[None]:
     """Context that ends the process within ``grace`` seconds after a signal, also while Rust code runs.
 
     Python runs signal handlers between its instructions, so a factorization delays them. The interpreter also writes
     each signal to a pipe immediately. A thread reads the pipe and ends the process if the handlers do not. It then
-    removes the directory ``temporary``, which must contain all open files.
+    removes the directory ``temporary``, which must contain all open files, unless it is None.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -47,12 +47,13 @@ def exit_on_signal(temporary: Path, grace: float = _GRACE) -> Iterator[None]:
         watcher.join()
 
 
-def _watch(read: int, finished: threading.Event, temporary: Path, grace: float) -> None:
+def _watch(read: int, finished: threading.Event, temporary: Path | None, grace: float) -> None:
     codes = {signal.SIGINT: INTERRUPTED, signal.SIGTERM: TERMINATED}
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
         if code is not None and not finished.wait(grace):
-            shutil.rmtree(temporary, ignore_errors=True)
+            if temporary is not None:
+                shutil.rmtree(temporary, ignore_errors=True)
             sys.stderr.write(f"{MESSAGE}\n")
             sys.stderr.flush()
             os._exit(code)

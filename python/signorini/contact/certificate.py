@@ -32,10 +32,10 @@ _ROUNDINGS = 4.0
 """
 _RANK = 1e-12
 """Rank tolerance for products of supports' rows with rigid motions, relative to the largest singular value."""
-_NIL = 1e-6
+NIL = 1e-6
 """Largest deflection, relative to F a²/D, that may be rounding of the elimination; F is the load, a the plate's size.
 """
-_UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
+UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Factor 4ε/`TOLERANCE` = 9e-8 in reference sizes.
 
 An error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size.
@@ -232,7 +232,7 @@ class _Answers:
         forces = np.concatenate([holding[held], pull, reaction]) / arm
         blocks = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
         largest = np.abs(forces).max(initial=0.0)
-        acting = np.abs(forces) > _UNSEEN * largest
+        acting = np.abs(forces) > UNSEEN * largest
         resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
         rows = (np.concatenate(blocks) * arm[:, None])[acting]
         least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
@@ -311,7 +311,7 @@ class _Answers:
         Each point has its own reference: a distant stop must not excuse errors at other points.
         """
         contacts = self.discretisation.contacts
-        return _UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
+        return UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
 
     @cached_property
     def length(self) -> Floats:
@@ -324,11 +324,11 @@ class _Answers:
         )
         return maximum(
             largest_magnitudes(self.hi[:, ::3]),
-            _NIL * loaded_deflection(self.discretisation, self.nodal),
-            _UNSEEN * self._of_parts(loaded_deflection),
-            _UNSEEN * prescribed * size,
+            NIL * loaded_deflection(self.discretisation, self.nodal),
+            UNSEEN * self._of_parts(loaded_deflection),
+            UNSEEN * prescribed * size,
             self.unloaded * self.travel.max(initial=0.0),
-            self.unloaded * _UNSEEN * (np.abs(springs.distance) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
+            self.unloaded * UNSEEN * (np.abs(springs.distance) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
         )
 
     @cached_property
@@ -346,7 +346,7 @@ class _Answers:
     def least_force(self) -> Floats:
         """Lower bound (k,) of the reference force, so that rounding does not count as an error.
 
-        It is the largest of three forces: the largest preload; `_UNSEEN` D w / a², the rounding of the force that bends
+        It is the largest of three forces: the largest preload; `UNSEEN` D w / a², the rounding of the force that bends
         the plate, with w the deflection without rigid motion and a the plate's size; `_CANCELLED` times the magnitude
         of the loads whose sum is this load. If the load is zero, w is `length`, and the bound is also at least E h
         times the rounding of `length`, and E h times the largest `travel`.
@@ -356,9 +356,9 @@ class _Answers:
         bent = np.where(self.unloaded, self.length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
         preload = float(np.abs(discretisation.contacts.preload).max(initial=0.0))
-        least = maximum(_UNSEEN * bending, _CANCELLED * self._of_parts(reaching), preload)
+        least = maximum(UNSEEN * bending, _CANCELLED * self._of_parts(reaching), preload)
         shear = discretisation.model.young * discretisation.thickness.max()
-        sheared = shear * maximum(_UNSEEN * self.length, self.travel.max(initial=0.0))
+        sheared = shear * maximum(UNSEEN * self.length, self.travel.max(initial=0.0))
         return np.where(self.unloaded, maximum(least, sheared), least)
 
     @cached_property
@@ -442,7 +442,7 @@ def certified(
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     """Largest deflection that counts as rounding under a load: 10⁻⁶ F a²/D."""
-    return _NIL * float(loaded_deflection(discretisation, load.nodal))
+    return NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
 def off_laws(
@@ -545,7 +545,7 @@ def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
     """Deflections (k, n) minus their rigid part, the rigid motion nearest in least squares."""
     motions = discretisation.rigid_motions[::3]
-    return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
+    return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T, rcond=None)[0]).T)
 
 
 def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:

@@ -115,8 +115,8 @@ def lemke(
 
         w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
 
-    In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, and for
-    degenerate problems. M and q are scaled by powers of two; z and w are computed again on the last basis.
+    In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path [1]_ is finite for every M, and
+    for degenerate problems [2]_. M and q are scaled by powers of two; z and w are computed again on the last basis.
 
     Parameters
     ----------

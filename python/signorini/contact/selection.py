@@ -342,7 +342,7 @@ def _with_least_deflection(
         # If the solver left a free plate far from its supports, rounding of the motion also moves pushing points: move
         # them back.
         travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
-        back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing])[0]
+        back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing], rcond=None)[0]
         hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
         travel, sides, room = bounds(hi, lo)
     back, on = contacts.room(travel, settled)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
@@ -58,6 +58,29 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping
         content = temporary.read_bytes()
         head = content.index(b"<VTKFile")
         temporary.write_bytes(content[:head] + f"<!-- {comment} -->\n".encode() + content[head:])
+
+
+def write_pvtu(path: str | os.PathLike[str], pieces: Sequence[str], *fields: Mapping[str, NDArray[np.float64]]) -> None:
+    """Write the file that lists ``pieces``, .vtu files beside it with fields at nodes and in elements, atomically."""
+
+    def arrays(data: Mapping[str, NDArray[np.float64]]) -> str:
+        columns = ((name, 1 if values.ndim == 1 else values.shape[1]) for name, values in data.items())
+        return "".join(
+            f'<PDataArray type="Float64" Name="{escape(name, {chr(34): "&quot;"})}" NumberOfComponents="{count}"/>'
+            for name, count in columns
+        )
+
+    at_nodes, in_elements = map(arrays, fields)
+    listed = "".join(f'<Piece Source="{escape(piece)}"/>' for piece in pieces)
+    text = (
+        '<?xml version="1.0"?>\n<VTKFile type="PUnstructuredGrid" version="0.1" byte_order="LittleEndian">\n'
+        '<PUnstructuredGrid GhostLevel="0">\n'
+        '<PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>\n'
+        f"<PPointData>{at_nodes}</PPointData>\n<PCellData>{in_elements}</PCellData>\n"
+        f"{listed}\n</PUnstructuredGrid>\n</VTKFile>\n"
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from signorini.errors import InputError
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, OF_ALL, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
 
-_OF_ONE = re.compile(r"[\w.+-]+\.(vtu|png)")
+_OF_ONE = re.compile(r"[\w.+-]+\.(vtu|pvtu|png)")
 """Names of the files of one combination, and of pictures of envelopes and profiles."""
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}

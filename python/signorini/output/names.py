@@ -53,8 +53,13 @@ _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
-def files(results: Results, pictures: Pictures = None, xlsx: bool = False) -> list[dict[str, str | None]]:
-    """List the files of the results: combination (None for files of all combinations), kind and file name."""
+def files(
+    results: Results, pictures: Pictures = None, xlsx: bool = False, ranks: int = 0
+) -> list[dict[str, str | None]]:
+    """List the files of the results: combination (None for files of all combinations), kind and file name.
+
+    Fields computed by several ``ranks`` have a file for each rank.
+    """
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     together |= {"spreadsheet": XLSX} if xlsx else {}
@@ -72,10 +77,16 @@ def files(results: Results, pictures: Pictures = None, xlsx: bool = False) -> li
         named += [(None, _KINDS[ending], file) for ending, file in shown.items()]
     drawn = {one.name for one, _ in pictured(results, pictures)}
     for one, slug in slugs(results):
-        named.append((one.name, "vtu", f"{slug}.vtu"))
+        named.append((one.name, *(("pvtu", f"{slug}.pvtu") if ranks else ("vtu", f"{slug}.vtu"))))
+        named += [(one.name, "vtu", name) for name in pieces(slug, ranks)]
         endings = pictures_of(one) if one.name in drawn else {}
         named += [(one.name, _KINDS[ending], f"{slug}{ending}.png") for ending in endings]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
+
+
+def pieces(slug: str, ranks: int) -> list[str]:
+    """Names of the .vtu files of the ranks that a .pvtu file lists."""
+    return [f"{slug}.{rank}.vtu" for rank in range(ranks)]
 
 
 def expected_names(model: Model) -> Iterator[str]:

@@ -41,20 +41,25 @@ _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length
 
 
 def results_json(
-    results: Results, estimates: Estimates | None = None, pictures: Pictures = None, xlsx: bool = False
+    results: Results,
+    estimates: Estimates | None = None,
+    pictures: Pictures = None,
+    xlsx: bool = False,
+    ranks: int = 0,
 ) -> dict[str, Any]:
     """Return the results in the form of ``results.json``; docs/results.md describes every key.
 
     A combination without equilibrium has no numbers: its lists are empty, its tables are None, and ``message`` gives
-    the reason. No number is NaN or infinite.
+    the reason. No number is NaN or infinite. ``ranks`` is the number of processes of the engine petsc, or 0.
     """
     discretisation = results.discretisation
     of_table: dict[str, Any] = {}
     if discretisation.model.tabulated:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
+    options = {"pictures": pictures, "xlsx": xlsx, **({"engine": "petsc", "ranks": ranks} if ranks else {})}
     return {
         "schema": SCHEMA,
-        **results.model.provenance.json({"pictures": pictures, "xlsx": xlsx, **_asked(results)}),
+        **results.model.provenance.json(options | _asked(results)),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
@@ -75,7 +80,7 @@ def results_json(
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": files(results, pictures, xlsx),
+        "files": files(results, pictures, xlsx, ranks),
     }
 
 

@@ -232,6 +232,11 @@ def _unpacked(name: str, sha256: str | None, packed: Any, file: FilePath, room: 
 def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> dict[str, Any]:
     """Solve a model with the options of a file, and return the JSON of the results."""
     options = _table(stored.get("options"))
+    if "engine" in options:
+        raise InputError(
+            f"the results are of the engine {options['engine']}, but verify takes the embedded one. Solve the input "
+            "again with this engine and compare."
+        )
     if "stops" in stored:
         if stored.get("interrupted"):
             raise InputError("the path was interrupted, so it cannot be followed again.")

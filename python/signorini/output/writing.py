@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal, Protocol, get_args
 
 from signorini.accuracy.comparison import Estimate, PathEstimate
 from signorini.analysis.estimate import Estimates, estimate_asked, estimates_of
@@ -32,6 +32,7 @@ from signorini.output.names import (
     Chosen,
     Pictures,
     envelope_files,
+    pieces,
     slugs,
 )
 from signorini.output.pictures import draw_profiles, jobs_of, profiles_csv, write_refinement
@@ -40,6 +41,18 @@ from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
 from signorini.results.result import Result
+
+
+class Fields(Protocol):
+    """Writer of the fields of a result in pieces, one for each process."""
+
+    @property
+    def count(self) -> int:
+        """Number of processes."""
+
+    def write(self, result: Result, path: Path, pieces: Sequence[Path]) -> None:
+        """Write the .pvtu file ``path`` and the .vtu files ``pieces``, which it lists."""
+
 
 _NOT_ITS = "it must be what signorini.estimate(results) returns."
 
@@ -128,6 +141,7 @@ def write_results(
     pictures: Pictures = None,
     xlsx: bool = False,
     draw: Callable[[Sequence[Job]], Iterable[tuple[str, bytes]]] | None = None,
+    fields: Fields | None = None,
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, for each solved combination, a ``.vtu`` file and pictures.
 
@@ -138,18 +152,24 @@ def write_results(
     All files are written, or none: they are written in a temporary directory and moved when all are complete. The files
     of an earlier run are replaced together. Other files are kept; a file of another program with the name of a file to
     be written raises `InputError`. If several runs write at once, the files are those of the last run. ``draw`` draws
-    the pictures; if it is None, this process draws them.
+    the pictures; if it is None, this process draws them. ``fields`` writes the fields; if it is None, this process
+    writes one .vtu file of each result.
     """
     target = Path(directory)
     named = list(slugs(results))
     jobs = jobs_of(results, estimates, pictures)
     drawn = (draw or _drawn)(jobs) if jobs else ()
-    values = results_json(results, estimates, pictures, xlsx)
+    values = results_json(results, estimates, pictures, xlsx, 0 if fields is None else fields.count)
     names = [JSON, CSV]
     try:
         with replacing_together(target, former_results, seal=JSON) as beside:
             for result, slug in named:
-                result.to_vtk(beside / f"{slug}.vtu")
+                if fields is None:
+                    result.to_vtk(beside / f"{slug}.vtu")
+                else:
+                    fields.write(
+                        result, beside / f"{slug}.pvtu", [beside / name for name in pieces(slug, fields.count)]
+                    )
             write_refinement(results, beside)
             if results.model.profile:
                 (beside / PROFILES_CSV).write_text(profiles_csv(results), encoding="utf-8")

@@ -37,7 +37,7 @@ Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 @checked
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(ResultState):
-    """Results of one combination, with methods for pictures and files; `ResultState` has the fields and numbers."""
+    """Results of one combination, with methods for pictures and files; docs/python.md lists its arrays and numbers."""
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate, one `ProbeResult` for each.

@@ -1,0 +1,20 @@
+"""All validation cases, in the order of the index."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+from signorini.validation import arrays, circles, others, rectangles, rigid, soil, squares, strips
+from signorini.validation.case import Case
+
+_FAMILIES = (squares, rectangles, circles, strips, soil, rigid, others, arrays)
+
+
+@cache
+def cases() -> Mapping[str, Case]:
+    """Return every case by name."""
+    every = [case for family in _FAMILIES for case in family.cases()]
+    result = {case.name: case for case in every}
+    assert len(result) == len(every), "two cases have the same name"
+    return result

@@ -1,0 +1,251 @@
+"""Patch tests, several plates, and the first example of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from signorini.analysis.solve import solve
+from signorini.model import Model
+from signorini.results.result import Result
+from signorini.validation.case import Case, Number, Tables
+from signorini.validation.theory import KAPPA, TIMOSHENKO, Navier, rigidity, shear_factor, uniform
+
+_EDGES = ["left", "right", "bottom", "top"]
+
+
+def cases() -> Iterator[Case]:
+    """Yield the cases."""
+    yield from _patches()
+    yield from _two_plates()
+    yield _cantilevers()
+    yield _curled()
+    yield _prop()
+    yield _superposition()
+
+
+def _patches() -> Iterator[Case]:
+    """Free meshes of quadrilaterals and triangles whose edges take the dofs of a constant state."""
+    h, nu, young = 0.1, 0.25, 1e6
+    d, s = rigidity(young, h, nu), KAPPA * young * h / 2 / (1 + nu)
+    outline = [[0, 0], [2.4, 0.3], [2.1, 1.6], [0.9, 1.1], [-0.3, 1.4]]
+    for name, what, w, slopes, numbers in (
+        ("moment", "constant moment", "(x**2 + 0.5*y**2)/2", ("x", "0.5*y"), {"mx": -d * (1 + nu / 2), "mxy": 0.0}),
+        ("twist", "constant twist", "x*y", ("y", "x"), {"mxy": -d * (1 - nu), "mx": 0.0}),
+        (
+            "shear",
+            "constant shear",
+            f"{1 / s!r}*x - {1 / d!r}*x**3/6",
+            (f"-{1 / d!r}*x**2/2", "0"),
+            {"qx": 1.0, "mx": 1.0},
+        ),
+    ):
+
+        def tables(n: int, w: str = w, slopes: tuple[str, str] = slopes) -> Tables:
+            edges = {"edge": [f"edge {i}" for i in range(1, 6)], "fix": "clamped"}
+            return {
+                "material": {"E": young, "nu": nu},
+                "plate": {"shape": "polygon", "points": outline, "thickness": h},
+                "mesh": {"size": 1.2 / n},
+                "support": [{**edges, "settlement": w, "rotation": list(slopes)}],
+                "load": [{"pressure": 0.0}],
+                "probe": [{"at": [[1.0, 0.7]]}],
+            }
+
+        yield Case(
+            f"patch-{name}",
+            f"Patch test, {what}",
+            ("patch test", "polygon", "settlement", "prescribed rotations"),
+            f"Pentagon with a free mesh of quadrilaterals and triangles; its edges have the deflection and slopes of a "
+            f"{what}; no load.",
+            "B. M. Irons, A. Razzaque (1972); R. H. MacNeal, R. L. Harder, *A proposed standard set of problems*, "
+            "Finite Elem. Anal. Des. 1 (1985) 3–20: the state is reproduced exactly.",
+            "analytical",
+            tables,
+            (2, 4, 8),
+            tuple(
+                Number(f"probe[1].{key}", key, value, 1e-9, size=d if key.startswith("m") and name != "shear" else 1.0)
+                for key, value in numbers.items()
+            ),
+            "On meshes of curved or strongly distorted elements the tests of the elements show the same.",
+        )
+
+
+def _two_plates() -> Iterator[Case]:
+    """Two simply supported squares of one outline that touch."""
+    thick, thin, young = 0.04, 0.02, 210e9
+    part = thin**3 / (thick**3 + thin**3)
+    w = Navier(4, 4, 0.0, uniform, shear_factor(thick, 0.0)).at(2, 2)[0] * 1e3 / rigidity(young, thick, 0.0)
+    for loaded in ("upper", "lower"):
+        above = loaded == "upper"
+
+        def tables(n: int, loaded: str = loaded) -> Tables:
+            square = {"shape": "rectangle", "size": [4, 4], "mesh": {"divisions": [n, n]}}
+            return {
+                "material": {"E": young, "nu": 0.0},
+                "plates": {"upper": {**square, "thickness": thick}, "lower": {**square, "thickness": thin}},
+                "support": [{"plate": name, "edge": _EDGES, "fix": "hard"} for name in ("upper", "lower")],
+                "contact": [{"name": "contact", "between": ["upper", "lower"], "area": "all"}],
+                "load": [{"plate": loaded, "pressure": 1e3}],
+                "probe": [{"plate": "upper", "at": [[2, 2]]}],
+            }
+
+        touching = 16e3 * part if above else 0.0
+        yield Case(
+            f"plates-{loaded}",
+            f"Two plates that touch, load on the {loaded} one",
+            ("several plates", "rigid contact", "hard edges"),
+            "Two squares of 4 m, h = 0.04 m above 0.02 m, E = 210 GPa, ν = 0, both on hard edges, 1 kPa on the "
+            f"{loaded} one.",
+            "Thin plates of one outline share a load as D₁ : D₂ while they touch; a load on the lower plate parts "
+            f"them. Deflection: {TIMOSHENKO}, chapter 5.",
+            "analytical",
+            tables,
+            (4, 8, 16),
+            (
+                Number("contact.reaction", "force between the plates [N]", touching, 1e-2, 1.0, 2e-3 * touching, 16e3),
+                Number(
+                    "probe[1].deflection",
+                    "w of the upper plate, middle [mm]",
+                    (1 - part) * w * 1e3 if above else 0.0,
+                    5e-3,
+                    1e3,
+                    2e-4 * w * 1e3 * above,
+                    (1 - part) * w * 1e3,
+                ),
+            ),
+            "Shear strain and the contact at the edges change the shares by about h²/a² = 1e-4.",
+        )
+
+
+def _cantilevers() -> Case:
+    """Stacked cantilevers that touch at the tip."""
+    thick, thin, young = 0.05, 0.04, 210e9
+    soft = {h: 4**3 / 3 / rigidity(young, h, 0.0) + 4 / (KAPPA * young * h / 2) for h in (thick, thin)}
+    part = soft[thick] / (soft[thick] + soft[thin])
+
+    def tables(n: int) -> Tables:
+        strip = {"shape": "rectangle", "size": [4, 0.5], "mesh": {"divisions": [n, 1]}}
+        return {
+            "material": {"E": young, "nu": 0.0},
+            "plates": {"upper": {**strip, "thickness": thick}, "lower": {**strip, "thickness": thin}},
+            "support": [{"plate": name, "edge": "left", "fix": "clamped"} for name in ("upper", "lower")],
+            "contact": [{"name": "tip", "between": ["upper", "lower"], "line": [[4, 0], [4, 0.5]]}],
+            "load": [{"plate": "upper", "line_load": 1e3, "edge": "right"}],
+            "probe": [{"plate": "upper", "at": [[4, 0.25]]}],
+        }
+
+    return Case(
+        "plates-cantilevers",
+        "Stacked cantilevers that touch at the tip",
+        ("several plates", "strip", "line load", "rigid contact"),
+        "Two cantilevers 4 m × 0.5 m, h = 0.05 m above 0.04 m, E = 210 GPa, ν = 0; 1 kN/m on the tip of the upper one, "
+        "contact along the tips.",
+        "Beam statics with shear strain: compliances c = L³/3EI + L/κGh, the lower one carries P c₁/(c₁ + c₂).",
+        "analytical",
+        tables,
+        (8, 16, 32),
+        (
+            Number("tip.reaction", "force between the tips [N]", 500 * part, 1e-3),
+            Number("probe[1].deflection", "w of the tip [mm]", 1e6 * part * soft[thin], 1e-3, 1e3),
+        ),
+    )
+
+
+def _curled() -> Case:
+    """Clamped plate that is heated on one face."""
+    d, kappa, nu = rigidity(30e9, 0.2, 0.2), 1e-3, 0.2
+    return Case(
+        "curvature-clamped",
+        "Clamped plate with a stress-free curvature",
+        ("rectangle", "curvature", "clamped edges"),
+        "Plate 4 m × 3 m × 0.2 m, E = 30 GPa, ν = 0.2, clamped, with the stress-free curvature κ = 1e-3/m in both "
+        "directions.",
+        f"{TIMOSHENKO}, chapter 2: the plate stays flat, m = D(1 + ν)κ.",
+        "analytical",
+        lambda n: {
+            "material": {"E": 30e9, "nu": nu},
+            "plate": {"shape": "rectangle", "size": [4, 3], "thickness": 0.2},
+            "mesh": {"divisions": [n, n]},
+            "support": [{"edge": _EDGES, "fix": "clamped"}],
+            "load": [{"curvature": [kappa, kappa, 0]}],
+            "probe": [{"at": [[2, 1.5]]}],
+        },
+        (4, 8, 16),
+        (
+            Number("probe[1].mx", "mx [N]", d * (1 + nu) * kappa, 1e-9),
+            Number("probe[1].deflection", "w [m]", 0.0, 1e-9, size=kappa),
+        ),
+    )
+
+
+def _quarter(n: int, load: float, prop: Mapping[str, Any] | None) -> Tables:
+    """Quarter of a clamped square in N and mm under a total load, over a prop."""
+    return {
+        "material": {"E": 218564.54444273014, "nu": 0.3},
+        "plate": {"shape": "rectangle", "size": [100, 100], "thickness": 20},
+        "mesh": {"divisions": [n, n]},
+        "support": [
+            {"name": "edges", "edge": ["bottom", "left"], "fix": "clamped"},
+            {"edge": ["right", "top"], "fix": "symmetry"},
+            *([{"name": "prop", "at": [100, 100], **prop}] if prop else []),
+        ],
+        "load": [{"pressure": load / 1e4}],
+    }
+
+
+_PROP = {"resists": "down", "gap": 0.48e-4}
+
+
+def _superposition() -> Case:
+    """The paper's theorem on the first example."""
+
+    def solved(n: int, load: float, prop: Mapping[str, Any] | None) -> Result:
+        return solve(Model.model_validate(_quarter(n, load, prop)))["all"]
+
+    def numbers(n: int) -> Mapping[str, float]:
+        first, second = solved(n, 32.0, None), solved(n, 32.0, {"resists": "both"})
+        whole = solved(n, 64.0, {"resists": "down", "gap": float(first.deflection.max())})
+        edges = whole.supports[0].reactions - first.supports[0].reactions - second.supports[0].reactions
+        prop = whole.reactions["prop"] - second.reactions["prop"]
+        return {"apart": float(max(np.abs(edges).max(), abs(prop))), "sum": sum(whole.reactions.values())}
+
+    return Case(
+        "paper-superposition",
+        "Two-stage superposition (the paper's first example)",
+        ("gap", "one-sided points", "superposition"),
+        "As the clamped quarter over a prop, on 2 × 2 elements, with a gap that half of the load closes. "
+        "First stage: half of the load without the prop; second "
+        "stage: the other half with a rigid prop.",
+        "The paper's theorem: the one-sided reactions are R¹ + R² at every node, and their sum is 64 N.",
+        "analytical",
+        numbers,
+        (2,),
+        (
+            Number("apart", "largest difference from R¹ + R² [N]", 0.0, 1e-10, size=64.0),
+            Number("sum", "sum of the reactions [N]", 64.0, 1e-10),
+        ),
+        direct=True,
+    )
+
+
+def _prop() -> Case:
+    """The paper's first example."""
+    return Case(
+        "paper-prop",
+        "Clamped quarter over a prop with a gap (the paper's first example)",
+        ("rectangle", "symmetry", "one-sided points", "gap"),
+        "Quarter 100 mm × 100 mm of a clamped square, h = 20 mm, E = 218565 MPa, ν = 0.3, total load 64 N; a prop "
+        "under the middle at a gap of 0.48e-4 mm, which half of the load closes on 2 × 2 elements.",
+        "The paper gives neither size, thickness nor material, so that its digits cannot be compared. Reference: "
+        "32 × 32 elements of this program.",
+        "numerical",
+        lambda n: _quarter(n, 64.0, _PROP),
+        (4, 8, 16),
+        (
+            Number("edges.reaction", "reaction of the edges [N]", 58.372066, 5e-2, uncertainty=5e-6),
+            Number("prop.reaction", "reaction of the prop [N]", 5.627934, 5e-2, uncertainty=5e-6),
+        ),
+    )

@@ -1,0 +1,150 @@
+"""Write the pages of validation: one a case, the index by feature, and the comparison of ± with true errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from signorini import _core
+from signorini.base.files import replacing
+from signorini.base.numbers import estimated, number
+from signorini.validation.case import Case, Number
+from signorini.validation.runner import EXACT, Comparison, Outcome, model_of
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number on one mesh, with relative error, ± and error of the reference."""
+
+    case: Case
+    number: Number
+    elements: int
+    error: float
+    width: float | None
+    own: float
+    covered: bool | None
+
+    @property
+    def verdict(self) -> str:
+        """Whether ± covers the error, alone or with the reference's own error."""
+        if self.covered is None or self.width is None:
+            return "no limit"
+        if self.error <= self.width + EXACT:
+            return "yes"
+        return "within the reference's own error" if self.covered else "**no**"
+
+
+def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
+    """Yield every number on every mesh, except printed values that the program does not reproduce."""
+    for outcome in outcomes:
+        for one in outcome.comparisons:
+            if one.number.differs or outcome.case.direct:
+                continue
+            size = one.number.magnitude
+            for mesh, error, width, covered in zip(outcome.meshes, one.errors, one.widths, one.covered, strict=True):
+                relative = None if width is None else width / size
+                own = one.number.uncertainty / size
+                yield Row(outcome.case, one.number, mesh.elements, error, relative, own, covered)
+
+
+def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
+    """Write the page and the input file of each case into a directory, the index, and the comparison of ±."""
+    directory.mkdir(parents=True, exist_ok=True)
+    templates = _templates()
+    for outcome in outcomes:
+        case = outcome.case
+        page = templates.get_template("case.md.jinja").render(
+            case=case,
+            outcome=outcome,
+            conclusion=_conclusion(outcome),
+            uncertain=[one for one in case.numbers if one.uncertainty],
+            version=_core.__version__,
+        )
+        _write(directory / f"{case.name}.md", page)
+        if not case.direct:
+            _write(directory / f"{case.name}.toml", model_of(case, case.meshes[-1]).to_toml())
+    features: dict[str, list[Case]] = {}
+    for outcome in outcomes:
+        for feature in outcome.case.features:
+            features.setdefault(feature, []).append(outcome.case)
+    kinds = [outcome.case.kind for outcome in outcomes]
+    counts = {kind: kinds.count(kind) for kind in ("analytical", "numerical", "experimental")}
+    counts |= {"holding": sum(outcome.holds for outcome in outcomes)}
+    counts |= {"total": sum(len(outcome.comparisons) for outcome in outcomes)}
+    index = {
+        "outcomes": outcomes,
+        "features": dict(sorted(features.items())),
+        "counts": counts,
+        "version": _core.__version__,
+    }
+    _write(directory / "index.md", templates.get_template("index.md.jinja").render(index))
+    rows = list(rows_of(outcomes))
+    coverage = templates.get_template("coverage.md.jinja").render(rows=rows, summary=summary(rows))
+    _write(directory / "coverage.md", coverage)
+
+
+def summary(rows: Sequence[Row]) -> dict[str, float]:
+    """Count half-widths that cover the error, alone and with the reference's own error; median of ± over error."""
+    known = [row for row in rows if row.covered is not None and row.width is not None]
+    ratios = [(row.width or 0.0) / row.error for row in known if row.error > max(row.own, EXACT)]
+    return {
+        "known": len(known),
+        "covered": sum(bool(row.covered) for row in known),
+        "alone": sum(row.verdict == "yes" for row in known),
+        "unknown": len(rows) - len(known),
+        "measured": len(ratios),
+        "ratio": median(ratios) if ratios else math.nan,
+    }
+
+
+def _conclusion(outcome: Outcome) -> str:
+    """Sentence on the numbers that agree, those that differ as stated, and those that break the verdict."""
+    every = outcome.comparisons
+    agreeing = [one for one in every if one.within and not one.number.differs]
+    parts = [f"{len(agreeing)} of {len(every)} numbers agree with the reference within the tolerance."]
+    for one in every:
+        name = one.number.label
+        if one.number.differs:
+            stated = "as stated" if one.holds else "but the case states a difference, which is not found"
+            parts.append(f"{name}: {one.errors[-1]:.2g} from the printed value, {stated}. {one.number.differs}")
+        elif not one.within:
+            parts.append(f"{name} misses its tolerance.")
+    return " ".join(parts)
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as temporary:
+        temporary.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+
+
+def _templates() -> Environment:
+    result = Environment(
+        loader=PackageLoader("signorini.validation"), undefined=StrictUndefined, trim_blocks=True, autoescape=False
+    )
+    result.filters |= {
+        "shown": lambda value, size: number(value, size, 7),
+        "with_width": _with_width,
+        "error": lambda value: "" if value is None or math.isnan(value) else f"{value:.1e}",
+        "rate": lambda value: "–" if value is None else f"{value:.1f}",
+        "verdict": _verdict,
+        "zip": lambda first, second: zip(first, second, strict=True),
+        "largest": lambda outcome: max(one.errors[-1] for one in outcome.comparisons if not one.number.differs),
+    }
+    return result
+
+
+def _with_width(value: float, width: float | None, size: float) -> str:
+    unmeshed: Any = width is not None and math.isnan(width)
+    return number(value, size, 7) if unmeshed else estimated(value, width, size, 7)
+
+
+def _verdict(one: Comparison) -> str:
+    if one.number.differs:
+        return "differs, as stated" if one.holds else "**agrees, against the statement**"
+    return "agrees" if one.within else "**misses**"

@@ -1,0 +1,162 @@
+"""Solve validation cases on their meshes, with half-widths, in worker processes."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from signorini.accuracy.comparison import known
+from signorini.analysis.estimate import estimate
+from signorini.analysis.solve import solve
+from signorini.model import Model
+from signorini.plot.artist import cores
+from signorini.results.result import Result
+from signorini.studies.workers import Workers
+from signorini.validation.case import Case, Number
+from signorini.validation.catalogue import cases
+
+EXACT = 1e-9
+"""Largest relative error that counts as rounding; it shows no rate of convergence."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Numbers of a case on one mesh, as in the reference's unit.
+
+    ``widths`` are the half-widths ±: None where a number has no limit, NaN where they were not estimated.
+    """
+
+    n: int
+    elements: int
+    values: tuple[float, ...]
+    widths: tuple[float | None, ...]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One number of a case on all meshes beside its reference."""
+
+    number: Number
+    meshes: tuple[Solved, ...]
+    place: int
+
+    @property
+    def values(self) -> list[float]:
+        """Values, coarse to fine."""
+        return [mesh.values[self.place] for mesh in self.meshes]
+
+    @property
+    def widths(self) -> list[float | None]:
+        """Half-widths, coarse to fine."""
+        return [mesh.widths[self.place] for mesh in self.meshes]
+
+    @cached_property
+    def errors(self) -> list[float]:
+        """Relative errors, coarse to fine."""
+        return [self.number.error(value) for value in self.values]
+
+    @property
+    def within(self) -> bool:
+        """Whether the error on the finest mesh is at most the tolerance."""
+        return self.errors[-1] <= self.number.tolerance
+
+    @property
+    def holds(self) -> bool:
+        """Whether the verdict of the case holds: within the tolerance, or different as the case states."""
+        return self.within != bool(self.number.differs)
+
+    @property
+    def rate(self) -> float | None:
+        """Slope of log error over log element size, through the meshes whose error exceeds the reference's own."""
+        least = max(EXACT, self.number.uncertainty / self.number.magnitude)
+        shown = [(mesh.n, error) for mesh, error in zip(self.meshes, self.errors, strict=True) if error > least]
+        if len(shown) < 2 or self.number.differs:
+            return None
+        sizes, errors = np.log(np.array(shown)).T
+        return float(-np.polyfit(sizes, errors, 1)[0])
+
+    @property
+    def covered(self) -> list[bool | None]:
+        """Whether ± and the reference's own error cover the difference, by mesh; None without ±."""
+        size, result = self.number.magnitude, list[bool | None]()
+        for error, width in zip(self.errors, self.widths, strict=True):
+            unknown = width is None or math.isnan(width) or bool(self.number.differs)
+            reach = 0.0 if width is None else width + self.number.uncertainty + EXACT * size
+            result.append(None if unknown else error * size <= reach)
+        return result
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A case with its numbers on all meshes."""
+
+    case: Case
+    meshes: tuple[Solved, ...]
+
+    @property
+    def comparisons(self) -> list[Comparison]:
+        """Every number beside its reference."""
+        return [Comparison(number, self.meshes, place) for place, number in enumerate(self.case.numbers)]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every verdict holds."""
+        return all(one.holds for one in self.comparisons)
+
+    @property
+    def seconds(self) -> float:
+        """Duration of all meshes."""
+        return sum(mesh.seconds for mesh in self.meshes)
+
+
+def solve_case(name: str) -> tuple[Solved, ...]:
+    """Solve a case on each of its meshes."""
+    case = cases()[name]
+    return tuple(solve_on(case, n) for n in case.meshes)
+
+
+def model_of(case: Case, n: int) -> Model:
+    """Model of a case with n elements along a side."""
+    return Model.model_validate({"title": case.title, **case.tables(n)})
+
+
+def solve_on(case: Case, n: int, estimated: bool = True) -> Solved:
+    """Solve a case with n elements along a side; unless ``estimated``, half-widths are NaN."""
+    begun = time.perf_counter()
+    if case.direct:
+        found = case.tables(n)
+        values = tuple(number.factor * float(found[number.name]) for number in case.numbers)
+        return Solved(n, n, values, (math.nan,) * len(values), time.perf_counter() - begun)
+    result = solve(model_of(case, n))["all"]
+    widths = estimate(result).widths if estimated else np.full(len(result.catalogue), math.nan)
+    places = [result.catalogue.by_name[number.name] for number in case.numbers]
+    half = [abs(one.factor) * float(widths[at]) for one, at in zip(case.numbers, places, strict=True)]
+    seconds = time.perf_counter() - begun
+    return Solved(
+        n,
+        len(result.mesh.elements),
+        values_of(case, result),
+        tuple(map(known, half)) if estimated else tuple(half),
+        seconds,
+    )
+
+
+def values_of(case: Case, result: Result) -> tuple[float, ...]:
+    """Read the numbers of a case from a result, as in the reference's unit."""
+    by_name = result.catalogue.by_name
+    return tuple(one.factor * float(result.numbers[by_name[one.name]]) for one in case.numbers)
+
+
+def outcomes(names: Sequence[str]) -> Iterator[Outcome]:
+    """Solve cases in worker processes, and yield each when it is finished."""
+    with Workers(min(cores(), len(names))) as workers:
+        waiting = {workers.submit(solve_case, name): name for name in names}
+        for future in as_completed(waiting):
+            yield Outcome(cases()[waiting[future]], future.result())

@@ -1,0 +1,66 @@
+"""Every validation case holds; the command writes its page, and its input file is the model that was solved."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import run
+
+import signorini
+from signorini.validation import cases
+from signorini.validation.pages import rows_of, summary
+from signorini.validation.runner import Outcome, model_of, solve_on, values_of
+
+
+@cache
+def outcome(name: str) -> Outcome:
+    """Results on the middle mesh, with half-widths, and on the finest mesh, whose errors decide."""
+    case = cases()[name]
+    *coarse, fine = case.meshes
+    return Outcome(case, (*(solve_on(case, n) for n in coarse[-1:]), solve_on(case, fine, False)))
+
+
+@pytest.mark.parametrize("name", cases())
+def test_a_case_holds(name: str) -> None:
+    for one in outcome(name).comparisons:
+        assert one.holds, (one.number, one.values)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(f"square-{edges}-{slenderness}" for edges in ("hard", "soft", "clamped") for slenderness in (5, 10, 100)),
+        *("disc-simple-10", "disc-clamped-10", "annulus-outer-simple"),
+    ],
+)
+def test_q8r_holds_a_case_of_a_plate_that_is_not_very_thin(name: str) -> None:
+    case = cases()[name]
+    tables = case.tables(case.meshes[-1])
+    model = signorini.Model.model_validate({**tables, "plate": {**tables["plate"], "element": "q8r"}})
+    values = values_of(case, signorini.solve(model)["all"])
+    for number, value in zip(case.numbers, values, strict=True):
+        assert number.error(value) <= number.tolerance, number
+
+
+def test_half_widths_cover_the_true_errors_and_are_narrow() -> None:
+    rows = list(rows_of(map(outcome, cases())))
+    counts = summary(rows)
+    assert counts["covered"] >= 0.995 * counts["known"]
+    assert np.median([row.width for row in rows if row.covered is not None]) < 0.005
+
+
+def test_the_command_writes_pages_and_input_files(tmp_path: Path) -> None:
+    done = run("validate", "--case", "square-hard-10", "-o", tmp_path)
+    assert done.exit_code == 0, done.output
+    names = ["coverage.md", "index.md", "square-hard-10.md", "square-hard-10.toml"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    assert "[square-hard-10.toml](square-hard-10.toml)" in (tmp_path / "square-hard-10.md").read_text("utf-8")
+    case = cases()["square-hard-10"]
+    assert signorini.load(tmp_path / "square-hard-10.toml") == model_of(case, case.meshes[-1])
+
+
+def test_an_unknown_case_is_refused_with_the_similar_names() -> None:
+    done = run("validate", "--case", "square-hard-11")
+    assert done.exit_code == 2
+    assert "--case" in done.stderr and "square-hard-10" in done.stderr
