@@ -73,7 +73,7 @@ def _solved(direct: Direct, one: Parameter, value: float) -> tuple[np.ndarray, n
     """Pieces of the points, and all numbers of the result at another value; None if there is no unique answer."""
     try:
         variant = direct._variant(one, value)
-    except InputError:
+    except SignoriniError:
         return None
     tried = answered(unfactored(variant.found), variant.load)
     if not tried.passed or tried.answer.not_unique:
@@ -100,7 +100,7 @@ def _differences(direct: Direct, one: Parameter, size: float) -> tuple[np.ndarra
 def _compared(direct: Direct, one: Parameter) -> tuple[Counter[str], list[str]]:
     try:
         rates = direct.rates(one)
-    except InputError:
+    except SignoriniError:
         return Counter({"refused parameter": 1}), []
     if rates.leaves:
         return Counter({"at the end of a piece": 1}), []
