@@ -4,21 +4,24 @@ import os
 import signal
 import sys
 
-from mpi4py import MPI
 
-from signorini.mpi.linear import Equations
-from signorini_command import main
+def main(dead: int) -> None:
+    from mpi4py import MPI
 
-fill, calls = Equations.fill, []
+    from signorini.mpi.linear import Equations
+    from signorini_command import main as command
+
+    fill, calls = Equations.fill, []
+
+    def dying(self: Equations, *arguments: object) -> None:
+        calls.append(1)
+        if MPI.COMM_WORLD.rank == dead and len(calls) == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        fill(self, *arguments)
+
+    Equations.fill = dying
+    command()
 
 
-def dying(self: Equations, *arguments: object) -> None:
-    calls.append(1)
-    if MPI.COMM_WORLD.rank == dead and len(calls) == 2:
-        os.kill(os.getpid(), signal.SIGKILL)
-    fill(self, *arguments)
-
-
-dead = int(sys.argv.pop(1))
-Equations.fill = dying
-main()
+if __name__ == "__main__":
+    main(int(sys.argv.pop(1)))

@@ -207,7 +207,7 @@ def test_no_equilibrium(tmp_path: Path) -> None:
     ("change", "key"),
     [
         (("mesh = { divisions = [20, 20], error = false", "mesh = { accuracy = 0.01"), "mesh.accuracy"),
-        (("resists = 'down'", "resists = 'down', limit = 1e9"), "support[1].limit"),
+        (("resists = 'down'", "resists = 'down', limit = 1e9"), "support[1]"),
         (("resists = 'down'", "resists = 'down', patch = [0.4, 0.4]"), "support[1]"),
         (("mesh =", "output = { combinations = 'table' }\nmesh ="), "output.combinations"),
         (("mesh =", "solver = { method = 'lemke' }\nmesh ="), "solver.method"),

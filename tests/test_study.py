@@ -231,9 +231,12 @@ def test_reliability_of_a_rigid_footing_with_eccentric_load_on_random_soil() -> 
         ratio = np.where(e <= width / 6, 1 + 6 * e / width, 4 * width / (3 * np.maximum(width - 2 * e, 1e-9)))
         return pressure * ratio / stiffness / limit
 
-    chosen = utilisation([found[name] for name in parameters])
     solved = np.array([row["status"] == "solved" for row in found.rows])
-    assert found["check:settlement.utilisation"][solved] == pytest.approx(chosen[solved], rel=0.01)
+    # Beyond e = B/3 the contact is narrower than half the footing, a few elements of this mesh.
+    compared = solved & (np.abs(found["load[1].at[1]"] - width / 2) <= width / 3)
+    assert solved.mean() > 0.99 and compared.mean() > 0.95
+    chosen = utilisation([found[name] for name in parameters])
+    assert found["check:settlement.utilisation"][compared] == pytest.approx(chosen[compared], rel=0.01)
     random = np.random.default_rng(1).random((3, 100_000))
     each = [Parameter.of(name, given, Path()) for name, given in parameters.items()]
     exact = np.mean(utilisation([np.array(one.at(row)) for one, row in zip(each, random, strict=True)]) > 1)
@@ -393,3 +396,14 @@ def _free_port() -> int:
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         return int(one.getsockname()[1])
+
+
+@pytest.mark.parametrize(
+    "paths",
+    [("support.soil.stiffness", "support[1].stiffness"), ("load[2].at", "load[2].at[1]")],
+    ids=lambda each: each[0],
+)
+def test_two_parameters_at_one_place_are_refused(place: Path, paths: tuple[str, str]) -> None:
+    for first, second in (paths, paths[::-1]):
+        with pytest.raises(InputError, match="sets"):
+            study(place / "raft.toml", {first: [[3.0, 1.5]], second: [3.0]}, ["soil.reaction"])

@@ -75,7 +75,7 @@ _active: ContextVar[Reuse | None] = ContextVar("_active", default=None)
 
 
 def shared(make: Callable[_P, _V]) -> Callable[_P, _V]:
-    """Make a function share its objects in the context of a `Reuse`; its arguments can be pickled."""
+    """Make a function share its objects in the context of a `Reuse`; its arguments must be picklable."""
 
     def get(*args: _P.args, **kwargs: _P.kwargs) -> _V:
         reuse = _active.get()
@@ -85,6 +85,6 @@ def shared(make: Callable[_P, _V]) -> Callable[_P, _V]:
 
 
 def beside(owner: object) -> dict[str, Any]:
-    """Values that are kept as long as the shared object ``owner``; outside the context of a `Reuse` a new dict."""
+    """`Reuse.beside` of the active `Reuse`; outside its context a new dict."""
     reuse = _active.get()
     return {} if reuse is None else reuse.beside(owner)

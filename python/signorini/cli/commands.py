@@ -442,8 +442,14 @@ def study(
 
         plan, part = load_study(file), None if shard is None else _part(shard)
         directory = output if output is not None else file.with_name(f"{file.stem}-study")
-        with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
-            result = run(plan, solver, directory, part, show)
+        try:
+            with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
+                result = run(plan, solver, directory, part, show)
+        except KeyboardInterrupt:
+            _end(
+                f"Interrupted; {visible(directory)} keeps the finished variants. Run it again to go on.",
+                interrupts.INTERRUPTED,
+            )
         written = write_study(result, directory, plan)
         print_study(streams.stdout(), result)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")

@@ -20,7 +20,7 @@ def print_sensitivities(console: Console, each: tuple[Sensitivity, ...], labels:
             console,
             f"sensitivities of {visible(one.name)} = {number(one.value)} {one.unit}".rstrip()
             + (f" in {visible(labels.code(one.combination))}" if labels.named or one.combination != "all" else "")
-            + ", while each contact point stays on its piece of its law (from, to: to first order)",
+            + ", while no contact point opens, closes or reaches a limit (from, to: to first order)",
         )
         grid = Grid([Column("parameter"), *numbers("value", "derivative", "elasticity", "from", "to")])
         for row in one.derivatives:

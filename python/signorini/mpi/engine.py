@@ -219,16 +219,12 @@ def _require_plain(model: Model) -> None:
         (combinations, model.tabulated, "combinations as rows of a table"),
         (("mesh", "accuracy"), model.mesh.accuracy, "refinement to an accuracy"),
         (("solver", "method"), model.solver.method not in ("auto", "active_set"), "Lemke's algorithm"),
-        (("tightening",), model.tightening, "bolts that are tightened"),
+        (("tightening",) if model.tightening else ("support",), model.rounds, "bolts that are tightened"),
         (("punching",), model.punching, "punching"),
     ]
     found += [(("zone", index, "rigid"), zone.rigid, "rigid zones") for index, zone in enumerate(model.zone)]
     for index, support in enumerate(model.support):
-        place: Place = "support", index
-        found.append(((*place, "preload"), support.preload, "bolts that are tightened"))
-        found.append(((*place, "law"), support.law, "curved laws"))
-        found.append(((*place, "limit"), support.limit, "supports with a limit"))
-        found.append((place, support.has_footprint, "supports with a footprint"))
+        found.append((("support", index), support.has_footprint, "supports with a footprint"))
     for where, given, what in found:
         if given:
             raise InputError(
@@ -244,6 +240,6 @@ def _require_handled(discretisation: Discretisation) -> None:
         index = int(contacts.support[~handled][0])
         raise InputError(
             "The engine petsc solves supports that push in one direction or hold in both, with a constant stiffness or "
-            "none. Change this support, or take --engine embedded.",
+            "none, and no limit. Change this support, or take --engine embedded.",
             ("support", index),
         )

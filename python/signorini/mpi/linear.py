@@ -47,7 +47,7 @@ class Equations:
     def fill(self, stiffness: tuple[Ints, Ints, Floats], supports: csr_array) -> None:
         """Set the matrix to K + ``supports`` (3n, 3n), with K as `_core.Plate.stiffness_matrix` gives it.
 
-        Rows and columns of held dofs in K are set to 0.
+        Rows and columns of held dofs in K are set to 0; ``supports`` has a positive diagonal there.
         """
         start, column, value = stiffness
         if self._held.any():

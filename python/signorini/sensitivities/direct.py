@@ -89,7 +89,10 @@ class _State(NamedTuple):
 
 
 def _state(found: Discretisation, pieces: Pieces, hi: Floats, lo: Floats, rigid: Floats) -> _State:
-    """State at u = hi + lo (3n,); ``rigid`` (m,) are the reactions of points on rigid pieces."""
+    """State at the displacements u = hi + lo (3n,), a sum of two doubles.
+
+    ``rigid`` (m,) are the reactions of those of the m contact points whose piece of the law has an infinite slope.
+    """
     points = found.contacts
     anchor, force, slope, begin, end = np.zeros((5, len(points)))
     for law, own in points.by_law:
@@ -134,6 +137,8 @@ class Direct:
     """Derivatives of all numbers of one combination, on the pieces of its answer."""
 
     def __init__(self, problem: ContactProblem, combination: Combination) -> None:
+        # Variants tighten their bolts by themselves, from gaps before the tightening.
+        self._loose = (problem.unmoved or problem).discretisation
         problem = tightened_by(problem, combination.factors or {}, lambda now: None)
         load = problem.discretisation.load(combination)
         tried = answered(problem, load)
@@ -171,7 +176,7 @@ class Direct:
             rates = self.rates(one)
             slope, why = float(rates.numbers[index]) / rates.size, ""
             if rates.leaves:
-                why = "a contact point is at the end of its piece of its law, and the parameter moves it beyond."
+                why = "a contact point just opens, closes or reaches a limit; the slopes above and below differ."
             elif rates.kinks[index]:
                 why = f"{number.name} has a kink there: two places, or two terms of its formula, govern equally."
             if why or not math.isfinite(slope):
@@ -259,7 +264,9 @@ class Direct:
         base = self.base.found
         model, combination = one.varied(base.model, self.input.tables, self.base.combination, value)
         with self._reuse:
-            found = base if model is base.model else discretise(model, [plate.own.mesh for plate in base.members])
+            found = (
+                self._loose if model is base.model else discretise(model, [plate.own.mesh for plate in base.members])
+            )
         _require_alike(one, base, found)
         factors = combination.factors or {}
         if found.model.round_factors(factors):

@@ -238,6 +238,8 @@ def place_of(path: str, model: Model, tables: Mapping[str, Any]) -> Place:
                 raise InputError(unknown("name", str(key), list(node), ".".join(map(str, place))), where)
             found, node = key, node[key]
         elif isinstance(raw, list | tuple):
+            if place[-1] == "at" and len(raw) == 1:  # a single point, whose coordinates are at[1] and at[2]
+                place, raw, node = [*place, 0], raw[0], raw[0]
             entries = node if isinstance(node, tuple) and node and isinstance(node[0], Table) else raw
             names = [getattr(entry, "name", "") or "" for entry in entries][: len(raw)]
             if isinstance(key, str) and key not in names:

@@ -11,7 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import islice, permutations
 from pathlib import Path
 from typing import Self
 
@@ -85,6 +85,11 @@ class Plan:
         values = tuple(variants(chosen, design, samples, seed))
         tables = json.loads(template.provenance.text)
         places = tuple(place_of(one.path, template, tables) for one in chosen)
+        for (one, place), (other, whole) in permutations(zip(chosen, places, strict=True), 2):
+            if place[: len(whole)] == whole:
+                raise InputError(
+                    f"it sets a part or all of what {other.path} sets. Leave one out.", ("parameters", one.path)
+                )
         if not results:
             raise InputError("there is no result. Name one, such as a check:NAME.utilisation.", ("results",))
         numbers = Layout.of(discretise(template)).catalogue.by_name

@@ -1,4 +1,4 @@
-"""Problems of arrays: linear complementarity problems, elastic half-spaces, elements, punching by a code."""
+"""Cases without a meshed plate: linear complementarity problems, elastic half-spaces, elements, punching by a code."""
 
 from __future__ import annotations
 

@@ -281,7 +281,7 @@ def _orthotropic() -> Iterator[Case]:
 def _polygon(
     points: Sequence[Any], h: float, material: Mapping[str, float], fixes: Mapping[str, Sequence[int]], at: Any
 ) -> Any:
-    """Return a function of n that makes the tables of a polygon of extent ``size`` under pressure 1."""
+    """Return a function that makes the input tables of a polygon for n elements along its extent, under pressure 1."""
 
     def tables(size: float, pressure: float = 1.0) -> Tables:
         return {

@@ -136,7 +136,8 @@ def _footings() -> Iterator[Case]:
             (0.3, 0.3),
             corner,
             0.32,
-            f"{_MOFFITT}: tetrahedron of pressure on a triangle of legs 4(B/2 − e), p = 3P/8(B/2 − eₓ)(L/2 − e_y)",
+            f"{_MOFFITT}: tetrahedron of pressure on a triangle with legs 4(B/2 − eₓ) and 4(L/2 − e_y), "
+            "p = 3P/(8(B/2 − eₓ)(L/2 − e_y))",
         ),
     ):
         numeric = name == "two-way"

@@ -192,7 +192,8 @@ def _infinite() -> Iterator[Case]:
 def _panel(u: float, h: float, bed: float, terms: int = 400) -> tuple[float, float, float, float]:
     """Square panel of side 1 and D = 1, ν = 0.2, of an infinite plate with columns u × u at its corners.
 
-    Return w and m of the column's centre, m of the panel's middle, and w of the middle above the mean of the column.
+    Return w and m at the column's centre, m at the panel's middle, and w at the panel's middle minus the mean w of the
+    column's area.
     Without soil, q = 1 and the columns push up; on soil of stiffness ``bed`` each column pushes down with 1.
     """
     m, n = np.arange(terms)[:, None], np.arange(terms)[None, :]
