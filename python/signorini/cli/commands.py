@@ -433,7 +433,8 @@ def study(
 
     Run it again to go on after an interruption: finished variants are not solved again.
     """
-    with _messages(file):
+    directory = output if output is not None else file.with_name(f"{file.stem}-study")
+    with _messages(file, f"Interrupted; finished variants are kept in {directory}. Run the same command to go on."):
         from signorini.cli.studies import live_table, print_study
         from signorini.studies.cluster import solvers
         from signorini.studies.study import run
@@ -441,15 +442,8 @@ def study(
         from signorini.studies.writing import write_study
 
         plan, part = load_study(file), None if shard is None else _part(shard)
-        directory = output if output is not None else file.with_name(f"{file.stem}-study")
-        try:
-            with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
-                result = run(plan, solver, directory, part, show)
-        except KeyboardInterrupt:
-            _end(
-                f"Interrupted; {visible(directory)} keeps the finished variants. Run it again to go on.",
-                interrupts.INTERRUPTED,
-            )
+        with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
+            result = run(plan, solver, directory, part, show)
         written = write_study(result, directory, plan)
         print_study(streams.stdout(), result)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
@@ -662,8 +656,11 @@ def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
 
 
 @contextmanager
-def _messages(file: Path | None = None) -> Iterator[None]:
-    """Context that converts an exception to a message on standard error and an exit code."""
+def _messages(file: Path | None = None, interrupted: str = interrupts.MESSAGE) -> Iterator[None]:
+    """Context that converts an exception to a message on standard error and an exit code.
+
+    ``interrupted`` is the message after SIGINT or SIGTERM.
+    """
     try:
         yield
     except InputError as error:
@@ -677,10 +674,10 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except SignoriniError as error:
         _end(f"Error: {error}", error.exit_code)
     except KeyboardInterrupt:
-        _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
+        _end(interrupted, interrupts.INTERRUPTED)
     except SystemExit as ending:
         if ending.code == interrupts.TERMINATED:
-            say(streams.stderr(), interrupts.MESSAGE)
+            say(streams.stderr(), visible(interrupted))
         raise
     except MemoryError:
         _end("Error: not enough memory. Use a coarser mesh.", SignoriniError.exit_code)
@@ -688,7 +685,7 @@ def _messages(file: Path | None = None) -> Iterator[None]:
         raise
     except BaseException as error:
         if ASKED:
-            _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
+            _end(interrupted, interrupts.INTERRUPTED)
         # A Rust panic is a BaseException but no Exception.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise

@@ -15,7 +15,7 @@ from signorini.shapes.arrays import Floats
 PHI = 0.75
 """φ of shear, Table 21.2.1(b)."""
 WITHIN = 4.0
-"""Largest distance of an opening that reduces bo, relative to the slab's thickness h, 22.6.4.3."""
+"""An opening within this distance of the column reduces bo; relative to the slab's thickness h, 22.6.4.3."""
 CLAUSES = {
     "u0": "ACI 318-19, 22.6.4.1 (outline of the column)",
     "u1": "ACI 318-19, 22.6.4.1 and 22.6.4.3 (bo)",

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -412,26 +413,47 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
 
 def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
     """Make the core's element data, for one plate or for several plates joined."""
-    plates, others = zones.rigidities[0], None
-    if len(zones.rigidities) > 1:
-        units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
-        others = zones.of_elements.rigidity, zones.young[1:], units
     try:
         return _plate(
-            mesh.points,
-            mesh.elements,
-            thickness.for_core,
-            float(zones.young[0]),
-            plates.for_core,
-            zones.element,
-            held.frames,
-            thickness.layered,
-            others,
+            *elements_for_core(mesh, zones, thickness, held),
             stress_nodes.elements if len(stress_nodes.further) else None,
             held.bodies.leaders if held.bodies.inside.any() else None,
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place=("plate",)) from None
+
+
+class ElementsForCore(NamedTuple):
+    """The first arguments of `_core.Plate`: nodes (n, 2), elements (ne, 8) and their sections."""
+
+    points: Floats
+    elements: Ints
+    thickness: float | Floats
+    young: float
+    rigidities: Floats
+    kind: str
+    frames: Floats | None
+    layered: tuple[Ints, Floats] | None
+    others: tuple[Ints, Floats, Floats] | None
+
+
+def elements_for_core(mesh: Mesh, zones: Zones, thickness: Thickness, held: Held) -> ElementsForCore:
+    """Nodes, elements and sections as the core takes them."""
+    others = None
+    if len(zones.rigidities) > 1:
+        units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
+        others = zones.of_elements.rigidity, zones.young[1:], units
+    return ElementsForCore(
+        mesh.points,
+        mesh.elements,
+        thickness.for_core,
+        float(zones.young[0]),
+        zones.rigidities[0].for_core,
+        zones.element,
+        held.frames,
+        thickness.layered,
+        others,
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

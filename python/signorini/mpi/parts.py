@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from signorini.discretise import CaseLoad, ContactPoints, Discretisation
+from signorini.discretise.discretisation import ElementsForCore, elements_for_core
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
 
 _PENALTY = 1e4
@@ -81,7 +81,7 @@ class Part:
     places: Ints
     owned: slice
     mine: Bools
-    plate: tuple[Any, ...]
+    plate: ElementsForCore
     elements: Ints
     held: Bools
     held_values: Floats
@@ -156,24 +156,17 @@ def _within(table: ContactPoints, number: Ints) -> tuple[ContactPoints, Ints]:
     return replace(kept, rows=rows), np.flatnonzero(which)
 
 
-def _plate(discretisation: Discretisation, nodes: Ints, elements: Ints, chosen: Ints, number: Ints) -> tuple[Any, ...]:
+def _plate(discretisation: Discretisation, nodes: Ints, elements: Ints, chosen: Ints, number: Ints) -> ElementsForCore:
     """Arguments of `_core.Plate` for some elements, of which ``elements`` are the nodes."""
-    zones, thickness, frames = discretisation.zones, discretisation.thickness, discretisation.held.frames
-    of_core, others, layered = thickness.for_core, None, thickness.layered
-    if len(zones.rigidities) > 1:
-        units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
-        others = zones.of_elements.rigidity[chosen], zones.young[1:], units
-    if layered is not None:
-        there = number[layered[0]] >= 0
-        layered = number[layered[0][there]], layered[1][there]
-    return (
-        discretisation.mesh.points[nodes],
-        elements,
-        of_core if isinstance(of_core, float) else of_core[chosen],
-        float(zones.young[0]),
-        zones.rigidities[0].for_core,
-        zones.element,
-        None if frames is None else frames[nodes],
-        layered,
-        others,
-    )
+    whole = elements_for_core(discretisation.mesh, discretisation.zones, discretisation.thickness, discretisation.held)
+    part = whole._replace(points=whole.points[nodes], elements=elements)
+    if not isinstance(whole.thickness, float):
+        part = part._replace(thickness=whole.thickness[chosen])
+    if whole.frames is not None:
+        part = part._replace(frames=whole.frames[nodes])
+    if whole.layered is not None:
+        there = number[whole.layered[0]] >= 0
+        part = part._replace(layered=(number[whole.layered[0][there]], whole.layered[1][there]))
+    if whole.others is not None:
+        part = part._replace(others=(whole.others[0][chosen], *whole.others[1:]))
+    return part

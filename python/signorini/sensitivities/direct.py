@@ -74,13 +74,12 @@ _STILL = 1e-8
 class _State(NamedTuple):
     """Contact points on given pieces of their laws, at displacements u; each array is (m,), ``margins`` (2, m).
 
-    ``line`` is the force at fixed u of points on pieces of finite slope, 0 for others. ``offset`` is the deflection
-    Gu of points on rigid pieces, 0 for others. ``margins`` are the distances to both ends of the piece, in force where
-    the piece has a ``slope``, else in travel.
+    ``slope`` is the stiffness of the piece, infinite where it is rigid. ``line`` is the force at fixed u of points on
+    pieces of finite slope, 0 for others. ``offset`` is the deflection Gu of points on rigid pieces, 0 for others.
+    ``margins`` are the distances to both ends of the piece: in travel where the slope is 0, else in force.
     """
 
     slope: Floats
-
     line: Floats
     offset: Floats
     reaction: Floats
