@@ -13,6 +13,7 @@ from textwrap import indent
 from typing import Any
 
 import typer.main
+from docutils import nodes
 from typer.cli import get_docs_for_click
 
 import signorini
@@ -111,10 +112,11 @@ def _benchmarks() -> Iterator[str]:
 def _grid(folder: str) -> str:
     """Return cards of the pages of a folder, each with the first picture of its page."""
     cards = "".join(
-        f":::{{grid-item-card}} {title}\n:link: {page.stem}\n:link-type: doc\n:img-top: {picture}\n:::\n"
+        f":::{{grid-item-card}} {title}\n:link: {page.stem}\n:link-type: doc\n"
+        f":img-top: {picture}\n:img-alt: {words}\n:::\n"
         for page in pages.RUN
         if page.parent.name == folder
-        for title, picture in [pages.cover(page)]
+        for title, words, picture in [pages.cover(page)]
     )
     return f"::::{{grid}} 1 2 3 3\n:gutter: 3\n\n{cards}::::\n"
 
@@ -142,7 +144,18 @@ def _signature(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | No
     return ("(**tables)" if name == "signorini.Model" else "", None) if what == "class" else None
 
 
+def _link(app: Any, tree: nodes.document, page: str) -> None:
+    """Link each picture of a page to its file, which has the full size; cards have links of their own."""
+    for image in list(tree.findall(nodes.image)):
+        stored = app.env.images.get(image["uri"])
+        if stored and "sd-card-img-top" not in image["classes"] and app.builder.format == "html":
+            link = nodes.reference(refuri=f"{'../' * page.count('/')}_images/{stored[1]}", internal=True)
+            image.replace_self(link)
+            link.append(image)
+
+
 def setup(app: Any) -> None:
     """Write the generated pages before autosummary looks for names in them."""
     app.connect("builder-inited", _write, priority=100)
+    app.connect("doctree-resolved", _link)
     app.connect("autodoc-process-signature", _signature)

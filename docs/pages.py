@@ -40,10 +40,10 @@ def directory(page: Path) -> Path:
     return MADE / page.relative_to(DOCS).with_suffix("")
 
 
-def cover(page: Path) -> tuple[str, str]:
-    """Return the title and the first picture of a page."""
+def cover(page: Path) -> tuple[str, str, str]:
+    """Return the title of a page, and the text and address of its first picture."""
     text = page.read_text("utf-8")
-    return re.findall(r"^# (.*)$", text, re.MULTILINE)[0], re.findall(r"!\[.*?\]\((.*?)\)", text)[0]
+    return re.findall(r"^# (.*)$", text, re.MULTILINE)[0], *re.findall(r"!\[(.*?)\]\((.*?)\)", text)[0]
 
 
 def run(page: Path) -> Path:

@@ -322,7 +322,7 @@ def test_the_footing_tips_at_the_load_of_its_plastic_mechanism() -> None:
     # Soil that crushes under a part a of 4 x 3 m: 250 · 3 a = 720 + 400 t and, about x = 4, 375 a² = 1500 - 150 t.
     a, b, c = 375 * (400 / 750) ** 2, 375 * 2 * (720 / 750) * (400 / 750) + 150, 375 * (720 / 750) ** 2 - 1500
     assert path.limit == pytest.approx((-b + np.sqrt(b**2 - 4 * a * c)) / (2 * a), rel=1e-3)
-    assert path.mechanism == "tips about the line x = 2.21 as soil and anchors give their limits"
+    assert path.mechanism == "tips about the line x = 2.21 at the limits of soil and anchors"
     yields = {event.support for event in path.support_events if event.change == "yields"}
     assert yields == {"soil", "anchors"}
 

@@ -15,7 +15,9 @@ import pytest
 
 SITE = Path(__file__).parents[1] / "docs" / "_build" / "html"
 ALL = sorted(
-    path.relative_to(SITE).as_posix() for path in SITE.rglob("*.html") if "_" not in path.relative_to(SITE).parts[0]
+    path.relative_to(SITE).as_posix()
+    for path in SITE.rglob("*.html")
+    if not path.relative_to(SITE).parts[0].startswith("_")
 )
 KINDS = [
     "index.html",

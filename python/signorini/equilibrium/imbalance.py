@@ -324,17 +324,19 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     return text
 
 
+def _at_limits(discretisation: Discretisation, why: Imbalance) -> str:
+    """Text for the supports that yield, such as " at the limits of soil and anchors"; empty without one."""
+    names = [discretisation.model.support[index].name for index in why.supports.tolist()]
+    return f" at the limit{'s' * (len(names) > 1)} of {' and '.join(names)}" if names else ""
+
+
 def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
     """Text for the motion of the plate, such as "tips about the line x = 2"."""
     if why.motions is not None:
         each = _motions(discretisation, why.motions)
-        names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
-        gives = "give their limits" if len(why.supports) > 1 else "gives its limit"
-        return f"{' and '.join(each)}{f' as {names} {gives}' if names else ''}"
+        return f"{' and '.join(each)}{_at_limits(discretisation, why)}"
     if why.carried is not None and len(why.supports):
-        names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
-        limits = f"{names} {'give their limits' if len(why.supports) > 1 else 'gives its limit'}"
-        return f"{_about(discretisation, why.axis) or f'moves {why.direction}'} as {limits}"
+        return f"{_about(discretisation, why.axis) or f'moves {why.direction}'}{_at_limits(discretisation, why)}"
     if why.axis is None:
         return f"{'lifts off' if why.direction == 'up' else 'drops away from'} its supports"
     size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()

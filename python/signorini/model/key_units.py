@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from signorini.model.whole import Units
@@ -24,6 +24,9 @@ _LENGTHS = frozenset(
         *("patch", "top", "bottom", "d_top", "d_bottom"),
     )
 )
+
+_COORDINATES = frozenset(("at", "center", "origin", "line", "points", "rectangle", "polygon"))
+"""Keys of coordinates."""
 
 
 def dimension(key: str, table: Mapping[str, Any] | None = None) -> tuple[int, int]:
@@ -49,3 +52,24 @@ def unit_of(key: str, units: Units, table: Mapping[str, Any] | None = None) -> s
     if force:
         return units.force_by_length(length)
     return {1: units.length, -1: f"1/{units.length}" if units.length else ""}.get(length, "")
+
+
+def unit_at(place: Sequence[str | int], units: Units, tables: Any) -> str:
+    """Label of the unit of the number at a place in the tables of an input: keys, and positions from 0.
+
+    Examples
+    --------
+    >>> tables = {"load": [{"couple_about": {"y": -5e5}, "at": [2.0, 1.5]}]}
+    >>> [unit_at(("load", 0, *key), Units(length="m", force="N"), tables) for key in (("couple_about", "y"), ("at", 0))]
+    ['N m', 'm']
+    """
+    unit = ""
+    for key in place:
+        if isinstance(key, str):
+            table = tables if isinstance(tables, Mapping) else None
+            unit = units.length if key in _COORDINATES else unit_of(key, units, table) or unit
+        try:
+            tables = tables[key]
+        except (KeyError, IndexError, TypeError):
+            tables = None
+    return unit

@@ -226,13 +226,14 @@ def _write_labels(axes: Axes, x: str | None, y: str, size: float, numbers: float
 
 
 def _without_rounding(axes: Axes, size: float) -> None:
-    """Widen the value range to 1e-6 ``size`` if it is less, so that a curve that varies by rounding looks constant."""
+    """Extend the value range by a tenth of ``size`` on both sides if it is less than 1e-6 ``size``.
+
+    A curve that varies by rounding then looks constant.
+    """
     low, high = axes.get_ylim()
-    least = _ALIKE * size
-    if abs(high - low) < least:
-        middle, sign = 0.5 * (low + high), np.sign(high - low) or 1.0
-        axes.set_ylim(middle - sign * least, middle + sign * least)
-        axes.ticklabel_format(axis="y", useOffset=False)
+    if abs(high - low) < _ALIKE * size:
+        room = 0.1 * size * (np.sign(high - low) or 1.0)
+        axes.set_ylim(low - room, high + room)
 
 
 _COLOURS = 10

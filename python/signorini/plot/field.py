@@ -31,6 +31,7 @@ from signorini.plot.plan import (
     pieces,
     put_label,
     triangulation,
+    width,
 )
 from signorini.shapes.arrays import Floats
 
@@ -48,6 +49,10 @@ _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
 """Candidate positions of a contour's label, as fractions of the contour's length."""
 _ON_OUTLINE = 1e-9
 """Largest distance of points on an outline from it, relative to the plate's size."""
+_NUMBERS = 8.5
+"""Font size of the numbers of a colour bar [points]."""
+_LEAST_AWAY, _BESIDE = 0.45, 0.15
+"""Least distance of the label from the colour bar, and space for ticks and gaps beside the numbers [inches]."""
 _EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
 
 
@@ -208,10 +213,11 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
     room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
     bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
     bar.set_label(literal(label), fontsize=9)
-    put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
     bar.outline.set_visible(False)
     bar.formatter = ScalarFormatter()
     bar.formatter.set_powerlimits(POWERS)
     bar.minorticks_off()
-    bar.ax.tick_params(length=2.5, labelsize=8.5)
+    bar.ax.tick_params(length=2.5, labelsize=_NUMBERS)
     bar.update_ticks()
+    widest = max(width(text, _NUMBERS) for text in bar.formatter.format_ticks(bar.get_ticks()))
+    put_label(bar.ax.yaxis, 1.0, 0.5, max(_LEAST_AWAY, widest + _BESIDE), 0.0)

@@ -26,6 +26,8 @@ LEGEND_SIZE = 8.5
 """Font size of legends [points]."""
 LARGEST, _SMALLEST = 8.5, 3.2
 """Largest and smallest width of a mark [points]."""
+_SAMPLE = 7.0
+"""Width of a mark in the legend [points]."""
 _FEW = 600
 """Largest number of points for which all distances between points are computed."""
 _FITS = 0.8
@@ -93,7 +95,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any():
             axes.plot(*positions[chosen].T, zorder=5, **_glyph(mark, size, hollow))
         if chosen.any() or (chosen is closed and not len(positions)):
-            samples.append(Line2D([], [], **_glyph(mark, 5.0, hollow)))
+            samples.append(Line2D([], [], **_glyph(mark, _SAMPLE, hollow)))
     return mark.label, tuple(samples)
 
 
@@ -189,7 +191,7 @@ def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, 
         axes.plot(*piece.T, zorder=4.1, **core)
     if mark.style == "line" and not mark.elastic:
         return [Line2D([], [], **look)]
-    shape, size = (_WAVY, 20.0) if mark.style == "line" else (_BOX, 12.0)
+    shape, size = (_WAVY, 20.0) if mark.style == "line" else (_BOX, 10.0)
     sample: dict[str, Any] = {"marker": shape, "markersize": size, "markeredgewidth": look["linewidth"]}
     return [Line2D([], [], linestyle="none", markeredgecolor=INK, markerfacecolor="none", **sample)]
 

@@ -84,16 +84,16 @@ def draw_loads(
 
 
 def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
-    """Write the value of a load beside its points, along its line or in its area."""
-    positions = mark.positions
+    """Write the value of a load, with its direction if upward, beside its points, along its line or in its area."""
+    positions, words = mark.positions, f"{mark.value} up" if mark.upward else mark.value
     for piece in pieces(positions)[:1] if mark.style != "points" else ():
         inside = piece
         if mark.style == "area":
             low, high = piece.min(axis=0), piece.max(axis=0)
             inside = low + _IN_AREA * (high - low)
-        labels.beside(mark.value, inside[_spread(len(inside))], 7.5, colour, zorder=6.4)
+        labels.beside(words, inside[_spread(len(inside))], 7.5, colour, zorder=6.4)
     for at in positions if mark.style == "points" and len(positions) <= _MAX_VALUES else ():
-        labels.beside(mark.value, at, 7.5, colour, zorder=6.4)
+        labels.beside(words, at, 7.5, colour, zorder=6.4)
 
 
 def _spread(count: int) -> NDArray[np.int64]:

@@ -22,7 +22,7 @@ _WIDE = 1.7
 """Largest ratio of width to height of plans side by side; wider plans are stacked."""
 _SMALLEST = (1.6, 0.8)
 """Smallest width and height of a plan [inches]."""
-_LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
+_LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.88, 0.2
 """Distances [inches]: left of the first plan, between plans, below a plan, from plan to colour bar, width of the bar,
 right of the bar for its numbers, height of a line of text."""
 _TITLE = 0.4

@@ -93,7 +93,7 @@ def literal(text: str) -> str:
 
 
 @cache
-def _width(text: str, size: float) -> float:
+def width(text: str, size: float) -> float:
     """Width of a text with the font size ``size`` [inches]."""
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
 
@@ -103,10 +103,10 @@ def wrapped(text: str, inches: float, size: float) -> str:
     lines = [""]
     for word in text.split(" "):
         joined = f"{lines[-1]} {word}" if lines[-1] else word
-        lines[-1:] = [joined] if not lines[-1] or _width(joined, size) <= inches else [lines[-1], word]
-        while _width(lines[-1], size) > inches and len(lines[-1]) > 1:
-            fits = max(1, int(len(lines[-1]) * inches / _width(lines[-1], size)))
-            while fits > 1 and _width(lines[-1][:fits], size) > inches:
+        lines[-1:] = [joined] if not lines[-1] or width(joined, size) <= inches else [lines[-1], word]
+        while width(lines[-1], size) > inches and len(lines[-1]) > 1:
+            fits = max(1, int(len(lines[-1]) * inches / width(lines[-1], size)))
+            while fits > 1 and width(lines[-1][:fits], size) > inches:
                 fits -= 1
             lines[-1:] = [lines[-1][:fits], lines[-1][fits:]]
     return "\n".join(lines)

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from signorini.base.numbers import number
-from signorini.plot.plan import INK, literal
+from signorini.plot.plan import INK, PAPER, literal
 from signorini.shapes.arrays import Floats
 
 _BAR, _LINE = "#1f5fa8", "#b3261e"
@@ -25,25 +25,35 @@ def study_picture(
     parameters: Mapping[str, Floats],
     quantiles: Mapping[float, float],
     sensitivities: Mapping[str, float],
+    units: Mapping[str, str],
+    limit: float | None = None,
 ) -> Figure:
-    """Draw one result of a study: values (n,) of the solved variants, and values (n,) of each parameter."""
+    """Draw one result of a study: values (n,) of the solved variants, and values (n,) of each parameter.
+
+    ``units`` are those of the result and of the parameters, by name. Values above ``limit`` fail.
+    """
+
+    def label(name: str) -> str:
+        return literal(f"{name} [{units[name]}]" if units.get(name) else name)
+
     figure = Figure(figsize=(10, 7.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1.0), height_ratios=(1.0, 1.15))
     histogram, bars, below = (figure.add_subplot(part) for part in (grid[0, 0], grid[0, 1], grid[1, :]))
-    _histogram(histogram, result, values, quantiles)
+    _histogram(histogram, values, quantiles, limit)
+    histogram.set_xlabel(label(result))
     _bars(bars, sensitivities)
-    _coordinates(below, {**parameters, result: values})
+    _coordinates(below, {label(name): column for name, column in {**parameters, result: values}.items()})
     return figure
 
 
-def _histogram(axes: Axes, result: str, values: Floats, quantiles: Mapping[float, float]) -> None:
+def _histogram(axes: Axes, values: Floats, quantiles: Mapping[float, float], limit: float | None) -> None:
     axes.hist(values, bins="auto", color=_BAR, alpha=0.8)
     largest = float(np.abs(values).max(initial=0.0))
     for probability in (0.05, 0.5, 0.95):
         at = quantiles[probability]
         axes.axvline(at, color=_LINE, linewidth=1.0, linestyle="solid" if probability == 0.5 else "dashed")
         axes.annotate(
-            f"{probability:.0%}: {number(at, largest)}",
+            f"{probability * 100:.0f} %: {number(at, largest)}",
             (at, 1.0),
             (0, 2),
             xycoords=("data", "axes fraction"),
@@ -52,7 +62,10 @@ def _histogram(axes: Axes, result: str, values: Floats, quantiles: Mapping[float
             fontsize=8,
             color=_LINE,
         )
-    axes.set_xlabel(literal(result))
+    if limit is not None:
+        words = f"limit {number(limit)}: {np.count_nonzero(values > limit)} of {len(values)} above"
+        axes.axvline(limit, color=INK, linewidth=2.0, label=words)
+        axes.legend(fontsize=8, frameon=True, framealpha=0.9, loc="upper right")
     axes.set_ylabel("variants")
     axes.spines[["top", "right"]].set_visible(False)
 
@@ -79,9 +92,9 @@ def _coordinates(axes: Axes, columns: Mapping[str, Floats]) -> None:
         axes.axvline(place, color=INK, linewidth=0.8)
         size = max(abs(low), abs(high))
         for at, value, side in ((-0.03, low, "top"), (1.03, high, "bottom")):
-            axes.text(place, at, number(value, size), ha="center", va=side, fontsize=8)
+            axes.text(place, at, number(value, size), ha="center", va=side, fontsize=8, bbox=PAPER)
     axes.set_xlim(-0.2, len(columns) - 0.8)
     axes.set_ylim(-0.12, 1.12)
-    axes.set_xticks(places, [literal(name) for name in columns])
+    axes.set_xticks(places, list(columns))
     axes.set_yticks([])
     axes.spines[:].set_visible(False)

@@ -9,6 +9,7 @@ from itertools import combinations, product
 
 import numpy as np
 
+from signorini.base.numbers import plain
 from signorini.base.on_demand import kept
 from signorini.contact.selection import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
@@ -373,8 +374,8 @@ def _wheels_off(discretisation: Discretisation, acting: Collection[str] | None) 
         more = len({at for _, at, _ in those}) - 1
         also = f"; so do wheels at {more} more position{'s' * (more > 1)}" if more else ""
         yield (
-            f'A wheel of the moving load "{case}" is partly off the plate: at {at}, axle {axle}, {100 * lost:.2g} % of '
-            f"its force does not act{also}. Move the line inwards, or end it earlier."
+            f'A wheel of the moving load "{case}" is partly off the plate: at {at}, axle {axle}, '
+            f"{plain(100 * lost, 3)} % of its force does not act{also}. Move the line inwards, or end it earlier."
         )
 
 

@@ -20,6 +20,7 @@ from signorini.discretise import discretise
 from signorini.errors import InputError, Place
 from signorini.formats.inputfile import load
 from signorini.model import Model
+from signorini.model.key_units import unit_at
 from signorini.model.study import Design
 from signorini.plot.artist import cores
 from signorini.results.rows import Layout
@@ -105,6 +106,16 @@ class Plan:
     @cached_property
     def _program(self) -> str:
         return program()
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """Units of the parameters and results, by path and by name; empty texts without one."""
+        tables, labels = json.loads(self.template.provenance.text), self.template.units
+        catalogue = Layout.of(discretise(self.template)).catalogue
+        numbers = (catalogue.numbers[catalogue.by_name[name]] for name in self.results)
+        results = {one.name: one.quantity.unit(labels) for one in numbers}
+        paths = zip(self.parameters, self.places, strict=True)
+        return results | {one.path: unit_at(place, labels, tables) for one, place in paths}
 
     @cached_property
     def sha256(self) -> str:

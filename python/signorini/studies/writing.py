@@ -24,7 +24,7 @@ def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
     from signorini.plot.studies import study_picture
 
     written = [directory / TABLE] if len(study.rows) == study.count else []
-    metadata = plan.template.provenance.metadata
+    metadata, units = plan.template.provenance.metadata, plan.units
     summary = {**plan.template.provenance.json({}), "study_sha256": plan.sha256, "results": _summary(study)}
     with replacing(directory / SUMMARY) as temporary:
         temporary.write_text(json.dumps(summary, indent=1, ensure_ascii=False), "utf-8")
@@ -40,6 +40,8 @@ def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
                 {each: _positions(values) for each, values in columns.items()},
                 study.quantiles(name),
                 study.sensitivities(name),
+                units,
+                1.0 if name.endswith(".utilisation") else None,
             )
             save(figure, directory / f"{slug}.png", metadata)
             written.append(directory / f"{slug}.png")
