@@ -219,5 +219,5 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
     bar.minorticks_off()
     bar.ax.tick_params(length=2.5, labelsize=_NUMBERS)
     bar.update_ticks()
-    widest = max(width(text, _NUMBERS) for text in bar.formatter.format_ticks(bar.get_ticks()))
+    widest = max(width(text, _NUMBERS) for text in bar.formatter.format_ticks(bar.get_ticks().tolist()))
     put_label(bar.ax.yaxis, 1.0, 0.5, max(_LEAST_AWAY, widest + _BESIDE), 0.0)
