@@ -267,19 +267,21 @@ def test_a_combination_without_equilibrium_has_none() -> None:
     assert widths["down"].plus_minus is not None
 
 
-def test_the_sizes_of_other_meshes() -> None:
-    def others(*divisions: int, **options: float) -> list[list[object]]:
+def test_other_meshes_have_elements_of_half_and_a_quarter_or_twice_and_four_times_the_size() -> None:
+    def others(*divisions: int, **options: Any) -> list[list[int]]:
         given = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
         model = rectangular(mesh={"divisions": divisions} | options, **given)
         mesh = discretise(model).mesh
-        return [[other.model.mesh.divisions for other in pair] for pair in meshes_beside(model, mesh)]
+        return [
+            [len(discretise(other.model, other.mesh).mesh.elements) / len(mesh.elements) for other in pair]
+            for pair in meshes_beside(model, mesh)
+        ]
 
-    assert others(4, 6) == [[(8, 12), (16, 24)], [(8, 12), (2, 3)], [(2, 3), (1, 2)]]
-    assert others(25, 25)[0] == [(50, 50), (100, 100)]
-    assert others(33, 40) == [[(66, 80), (17, 20)], [(17, 20), (9, 10)]]
-    assert others(50, 60, accuracy=0.01)[0] == [(100, 120), (25, 30)]
-    assert others(50, 60) == [[(25, 30), (13, 15)]]
-    assert others(1, 3)[0] == [(2, 6), (4, 12)]
+    assert others(4, 6)[0] == others(25, 25)[0] == others(1, 3)[0] == [4, 16]
+    assert others(34, 40)[0] == [4, 0.25]
+    assert others(52, 60)[0] == [0.25, 0.0625]
+    assert others(52, 60, accuracy=0.01)[0] == [4, 0.25]
+    assert others(4, 4, refine=[{"at": [1.0, 1.0], "size": 0.05}])[0] == [4, 16]
 
 
 def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
@@ -431,12 +433,13 @@ def test_governing_reactions_have_half_widths() -> None:
 
 
 def failing_on(*sides: int) -> Any:
-    """Discretises, but not with elements of some sizes."""
+    """Discretises, but not with some numbers of elements along a side."""
 
     def failing(model: Model, mesh: Any = None) -> Any:
-        if any(model.divisions == (at, at) for at in sides):
+        result = discretise(model, mesh)
+        if any(len(result.mesh.elements) == at**2 for at in sides):
             raise InputError("It failed.")
-        return discretise(model, mesh)
+        return result
 
     return failing
 
@@ -464,7 +467,8 @@ def test_a_mesh_that_cannot_be_solved_is_told_and_half_widths_are_wider(
     alone, widened = solved(16, 2)
     assert told(every) == []
     assert told(without_finer) == [
-        "Half-widths (±) come from other meshes than the first that were tried; on a mesh of half its size: It failed."
+        "Half-widths (±) come from other meshes than the first that were tried; on a mesh of half its size, divided: "
+        "It failed."
     ]
     assert told(alone)[0].startswith("Half-widths (±) come from one other mesh alone; on a mesh of ")
     fine, coarse = (solve(slab(mesh={"divisions": [n, n], "error": False}))["all"].extremes["mx"].max for n in (8, 4))

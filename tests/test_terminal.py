@@ -186,7 +186,7 @@ def test_supports_that_are_rigid_and_limits_of_equilibrium_are_told() -> None:
     legs = {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
     results = signorini.solve(model(2, support=[legs]))
     case, factor = results.limits["ULS 2: 1.35 G + 0.125 Q"]
-    assert f"Equilibrium ends at {factor:.4g} × case {case}, other cases unchanged" in shown(
+    assert f"Equilibrium ends at {factor:.4g} × the factored case {case}, other cases unchanged" in shown(
         print_results, results, WIDE
     )
 

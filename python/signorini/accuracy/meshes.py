@@ -26,6 +26,9 @@ _LEAST_ALONG, _LEAST = 16, 2500
 """Smallest numbers of elements, along a side and in total, of meshes that are compared with coarser ones. Half-widths
 from 1000, 250 and 64 elements cover 94 to 96 % of true errors; half-widths from finer meshes cover 99 %."""
 
+_STRAIGHT = 1e-9
+"""Largest distance of a side's node from its middle that counts as rounding, relative to the plate's size."""
+
 _FEWEST_ALONG = 2
 """Smallest number of elements along the longer side of a mesh that can be coarsened."""
 
@@ -64,32 +67,35 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     if model.plates:
         yield from _beside_plates(model, mesh)
         return
-    count, plate = len(mesh.elements), model.plate
-    divisions = model.divisions
-    if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
-        # If the outline fixes the element size, other size options give the same mesh. Therefore elements are divided.
-        quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
-        larger = [] if isinstance(plate, MeshPlate) else [_scaled(model, mesh, 2.0)]
-        yield (_divided(model, mesh, 0.5), *quarter, *larger)
-    if isinstance(plate, MeshPlate):
-        return
+    count, plate, divisions = len(mesh.elements), model.plate, model.divisions
+    # Where the outline fixes the element size, other size options give the same mesh.
+    fixed = isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP)
+    # Sizes between refined places and the rest of a plate do not follow the size options. Division halves them all.
+    finer = _divided if fixed or _is_straight(mesh) else _scaled
     # `divisions` do not include refined places; then the number along a side follows from the number of elements.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
+    coarser = (
+        [] if isinstance(plate, MeshPlate) or along == 1 else [_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)]
+    )
     # In a refinement to an accuracy, all meshes are compared with finer meshes.
     # Half-widths would jump if some meshes were compared with finer meshes and others with coarser meshes.
     asked = model.mesh.accuracy is not None
-    coarse = along < _LEAST_ALONG or count < _LEAST or asked
+    coarse = fixed or asked or along < _LEAST_ALONG or count < _LEAST
     if coarse and 16 * count <= _CHEAP:
-        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
-    if coarse and (asked or 4 * count <= _CHEAP):
-        yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else [])))
-    if along > 1:
-        yield _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
-    if not coarse and 4 * count <= _CHEAP:
-        yield (_scaled(model, mesh, 0.5),)
-    if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
-        # Refined places or small outlines may fix the size of most elements. Therefore elements are divided.
+        yield finer(model, mesh, 0.5), finer(model, mesh, 0.25)
+    if fixed or asked or (coarse and 4 * count <= _CHEAP):
+        yield finer(model, mesh, 0.5), *coarser[:1]
+    if coarser:
+        yield tuple(coarser)
+    if 4 * count <= _CHEAP:
         yield (_divided(model, mesh, 0.5),)
+
+
+def _is_straight(mesh: Mesh) -> bool:
+    """Whether all sides of elements are straight, so that divided elements cover the same area."""
+    corners = mesh.points[mesh.elements[:, :4]]
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    return bool(np.abs(mesh.points[mesh.elements[:, 4:8]] - middles).max() <= _STRAIGHT * mesh.size)
 
 
 def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:

@@ -142,7 +142,7 @@ def print_check(console: Console, check: Check) -> None:
     for resultant in listed[: 2 * ASKED]:
         place = point(resultant.at, discretisation.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
-        limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else "none"
+        limit = f"{resultant.limit[1]:.4g} × factored {resultant.limit[0]}" if resultant.limit else "none"
         loads.add(resultant.name, number(resultant.force, largest), place, verdict, limit)
     loads.show(console)
     if more := len(check.resultants) - len(listed[: 2 * ASKED]):
@@ -298,7 +298,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         _print_deflection(console, plate, plate_widths, f"{name}: " if name else "")
         _print_extremes(console, plate, plate_widths, largest_of(plate))
     if limit is not None:
-        say(console, f"Equilibrium ends at {limit[1]:.4g} × case {limit[0]}, other cases unchanged")
+        say(console, f"Equilibrium ends at {limit[1]:.4g} × the factored case {limit[0]}, other cases unchanged")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     say_checked(console, () if estimate is None else estimate.elements, result.model.estimated)
     if result.probes:
