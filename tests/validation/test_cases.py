@@ -53,9 +53,11 @@ def test_half_widths_cover_the_true_errors_and_are_narrow() -> None:
 def test_the_command_writes_pages_and_input_files(tmp_path: Path) -> None:
     done = run("validate", "--case", "square-hard-10", "-o", tmp_path)
     assert done.exit_code == 0, done.output
-    names = ["coverage.md", "index.md", "square-hard-10.md", "square-hard-10.toml"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == names
-    assert "[square-hard-10.toml](square-hard-10.toml)" in (tmp_path / "square-hard-10.md").read_text("utf-8")
+    linked = {"square-hard-10.toml", "square-hard-10-model.png", "square-hard-10-deflection.png"}
+    names = {"coverage.md", "index.md", "square-hard-10.md", *linked}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    page = (tmp_path / "square-hard-10.md").read_text("utf-8")
+    assert all(f"]({name})" in page for name in linked)
     case = cases()["square-hard-10"]
     assert signorini.load(tmp_path / "square-hard-10.toml") == model_of(case, case.meshes[-1])
 

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import linprog, lsq_linear
@@ -253,7 +253,12 @@ def models(draw):
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(model=models())
 def test_random_models_with_limits_and_laws_have_the_least_complementary_energy(model):
-    result, problem = signorini.solve(model)["all"], contact_problem(model)
+    try:
+        result, problem = signorini.solve(model)["all"], contact_problem(model)
+    except InputError as refused:
+        # Two drawn supports may begin rigidly at one place with different settlements (docs/domain.md).
+        assume("Supports contradict each other" not in str(refused))
+        raise
     contacts = problem.discretisation.contacts
     reference, displacement = reactions_by_least_squares(problem, problem.load("all"))
     totals = [

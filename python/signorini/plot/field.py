@@ -21,6 +21,7 @@ from signorini.base.numbers import POWERS, plain
 from signorini.plot.picture import Panel, PressureLayer
 from signorini.plot.plan import (
     INK,
+    LABEL_SIZE,
     Labels,
     Plan,
     draw_outlines,
@@ -207,7 +208,7 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
     """Draw the colour bar on the axes ``beside``; without them, on new axes next to ``axes``."""
     room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
     bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
-    bar.set_label(literal(label), fontsize=9)
+    bar.set_label(literal(label), fontsize=LABEL_SIZE)
     put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
     bar.outline.set_visible(False)
     bar.formatter = ScalarFormatter()
