@@ -19,7 +19,7 @@ from signorini.results.result import Result
 from signorini.results.support_result import areas_below
 
 _WIDTH = 3.0
-"""Largest width of a plan [inches], so that two pictures side by side fit on a page."""
+"""Largest width of a plan [inches]: the text of a picture is readable on a page of 500 pixels."""
 _LONG = 4.0
 """Least length over width of a strip, which is drawn as a curve along x."""
 _ALONG = 201

@@ -137,7 +137,6 @@ def _templates() -> Environment:
         "error": lambda value: "" if value is None or math.isnan(value) else f"{value:.1e}",
         "rate": lambda value: "–" if value is None else f"{value:.1f}",
         "verdict": _verdict,
-        "picture": lambda drawing, case: f"![{case.title}, {drawing.words}]({case.name}{drawing.ending}.png)",
         "zip": lambda first, second: zip(first, second, strict=True),
         "largest": lambda outcome: max(one.errors[-1] for one in outcome.comparisons if not one.number.differs),
     }
