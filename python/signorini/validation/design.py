@@ -1,4 +1,4 @@
-"""Punching of columns by design codes. A slab on one column has loads with the column's force and moments."""
+"""Design codes: punching of a slab on one column, whose loads have the column's force and moments; reinforcement."""
 
 from __future__ import annotations
 
@@ -63,6 +63,11 @@ def _case(
 
 def cases() -> Iterator[Case]:
     """Yield the cases."""
+    yield from _punching()
+    yield from _reinforcement()
+
+
+def _punching() -> Iterator[Case]:
     of, newton = "punching:column[1]", ("mm", "N")
     yield _case(
         "concrete-centre",
@@ -124,3 +129,49 @@ def cases() -> Iterator[Case]:
         at,
         {"code": "ACI 318-19", "d": [9, 8], "fck": 4.0, "fyk": 60.0},
     )
+
+
+def _reinforcement() -> Iterator[Case]:
+    """One-way slab with the moment pL²/8."""
+    for name, annex, alpha, printed in (
+        ("cen", "recommended values", 1.0, 5.400),
+        ("annex", "αcc = 0.85 of national annexes", 0.85, 5.446),
+    ):
+        check = {"code": "EN 1992-1-1:2004", "fck": 30, "fyk": 460, "alpha_cc": alpha}
+
+        def tables(n: int, check: Mapping[str, Any] = check) -> Tables:
+            return {
+                "units": {"length": "mm", "force": "N"},
+                "material": {"E": 25e3, "nu": 0.0},
+                "plate": {"shape": "rectangle", "size": [4000, 1000], "thickness": 150},
+                "mesh": {"divisions": [4 * n, n]},
+                "support": [{"edge": ["left", "right"], "fix": "simple"}],
+                "load": [{"pressure": 12.9e-3}],
+                "reinforcement": {**check, "d_top": [25, 25], "d_bottom": [25, 25]},
+                "probe": [{"at": [[2000, 500], [200, 500]]}],
+            }
+
+        yield Case(
+            f"reinforcement-safe-{name}",
+            f"Required reinforcement of a one-way slab (SAFE, EN 1992), {annex}",
+            ("reinforcement", "rectangle", "uniform pressure"),
+            "Simply supported slab of 4 m, h = 150 mm, d = 125 mm, C30/37, fyk = 460 MPa, under 1.35 · 4 + 1.5 · 5 = "
+            f"12.9 kPa; {annex}.",
+            f"{_SAFE} EN 2-2004 RC-SL-001; EN 1992-1-1, 3.1.7, 6.1 and 9.2.1.1.",
+            "analytical",
+            tables,
+            (2, 4, 8),
+            (
+                Number("probe[1].mx", "mx, middle [kN]", 25.8, 2e-3, 1e-3),
+                Number("probe[1].as_x_bottom", "As, middle [cm²/m]", printed, 3e-3, 10.0, uncertainty=0.009),
+                Number(
+                    "probe[2].as_x_bottom",
+                    "As,min, 0.2 m from the support [mm²/m]",
+                    204.642,
+                    1e-5,
+                    1e3,
+                    uncertainty=5e-4,
+                ),
+            ),
+            "The printed areas are for a design moment of 25.8347 kNm in place of 25.8 kNm, which is 0.14 % more.",
+        )
