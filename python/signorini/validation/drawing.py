@@ -45,7 +45,7 @@ def drawings(results: Results) -> Iterator[tuple[Drawing, Drawing]]:
         field = "pressure" if soil and not any(area.on_means for area in soil) else "deflection"
         low, high = result.mesh.points.min(axis=0), result.mesh.points.max(axis=0)
         if high[0] - low[0] > _LONG * (high[1] - low[1]):
-            name, words, figure = "profile", "deflection along the middle", _profile(result, low, high)
+            name, words, figure = "profile", "deflection along the long edges", _profile(result, low, high)
         else:
             name, words, figure = field, field, _field(result, field)
         yield (
@@ -59,11 +59,15 @@ def _png(figure: Figure) -> bytes:
 
 
 def _profile(result: Result, low: Floats, high: Floats) -> Figure:
-    """Draw the deflection along the middle of a strip along x."""
+    """Draw the deflection along the two long edges of a strip along x; the second curve is dashed."""
     x = np.linspace(low[0], high[0], _ALONG)
-    probes = result.probe(np.column_stack([x, np.full(_ALONG, 0.5 * (low[1] + high[1]))]))
     figure = Figure(figsize=(1.4 * _WIDTH, 0.8 * _WIDTH), layout="constrained")
-    line(x, [probe.deflection for probe in probes], ax=figure.add_subplot(), xlabel="x", ylabel="deflection")
+    axes = figure.add_subplot()
+    for y, style in ((low[1], "solid"), (high[1], "dashed")):
+        values = [probe.deflection for probe in result.probe(np.column_stack([x, np.full(_ALONG, y)]))]
+        line(x, values, ax=axes, label=f"y = {y:g}", xlabel="x", ylabel="deflection")
+        axes.lines[-1].set_linestyle(style)
+    axes.legend(frameon=False)
     return figure
 
 

@@ -138,7 +138,9 @@ def _templates() -> Environment:
         "rate": lambda value: "–" if value is None else f"{value:.1f}",
         "verdict": _verdict,
         "zip": lambda first, second: zip(first, second, strict=True),
-        "largest": lambda outcome: max(one.errors[-1] for one in outcome.comparisons if not one.number.differs),
+        "largest": lambda outcome: max(
+            (one.errors[-1] for one in outcome.comparisons if not one.number.differs), default=math.nan
+        ),
     }
     return result
 
