@@ -63,10 +63,10 @@ def _profile(result: Result, low: Floats, high: Floats) -> Figure:
     x = np.linspace(low[0], high[0], _ALONG)
     figure = Figure(figsize=(1.4 * _WIDTH, 0.8 * _WIDTH), layout="constrained")
     axes = figure.add_subplot()
-    for y, style in ((low[1], "solid"), (high[1], "dashed")):
+    for y in (low[1], high[1]):
         values = [probe.deflection for probe in result.probe(np.column_stack([x, np.full(_ALONG, y)]))]
         line(x, values, ax=axes, label=f"y = {y:g}", xlabel="x", ylabel="deflection")
-        axes.lines[-1].set_linestyle(style)
+    axes.lines[-1].set_linestyle("dashed")
     axes.legend(frameon=False)
     return figure
 
