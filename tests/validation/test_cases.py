@@ -50,14 +50,28 @@ def test_half_widths_cover_the_true_errors_and_are_narrow() -> None:
     assert np.median([row.width for row in rows if row.covered is not None]) < 0.005
 
 
-def test_the_command_writes_pages_and_input_files(tmp_path: Path) -> None:
-    done = run("validate", "--case", "square-hard-10", "-o", tmp_path)
+@pytest.mark.parametrize(
+    ("name", "linked"),
+    [
+        ("square-hard-10", {".toml", "-model.png", "-deflection.png"}),
+        (
+            "plates-cantilevers",
+            {".toml", *(f"-{what}-{plate}.png" for what in ("model", "profile") for plate in ("upper", "lower"))},
+        ),
+        ("footing-kern", {".toml", "-model.png", "-pressure.png"}),
+        ("lcp-three", set()),
+    ],
+)
+def test_the_command_writes_pages_with_input_files_and_pictures(tmp_path: Path, name: str, linked: set[str]) -> None:
+    done = run("validate", "--case", name, "-o", tmp_path)
     assert done.exit_code == 0, done.output
-    names = ["coverage.md", "index.md", "square-hard-10.md", "square-hard-10.toml"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == names
-    assert "[square-hard-10.toml](square-hard-10.toml)" in (tmp_path / "square-hard-10.md").read_text("utf-8")
-    case = cases()["square-hard-10"]
-    assert signorini.load(tmp_path / "square-hard-10.toml") == model_of(case, case.meshes[-1])
+    files = {f"{name}{ending}" for ending in linked}
+    assert {path.name for path in tmp_path.iterdir()} == {"coverage.md", "index.md", f"{name}.md", *files}
+    page = (tmp_path / f"{name}.md").read_text("utf-8")
+    assert all(f"]({file})" in page for file in files)
+    if linked:
+        case = cases()[name]
+        assert signorini.load(tmp_path / f"{name}.toml") == model_of(case, case.meshes[-1])
 
 
 def test_an_unknown_case_is_refused_with_the_similar_names() -> None:

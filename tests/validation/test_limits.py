@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import linprog, lsq_linear
@@ -174,7 +174,7 @@ BOTH_WAYS = [
 
 
 def reactions_by_least_squares(problem, load):
-    """Reactions (m,) from the least complementary energy, their parts on each piece within that piece's forces.
+    """Reactions and displacements (m,) from the least complementary energy, with parts on the pieces of each law.
 
     min ½ rᵀPr − sᵀr + Σ t x + x²/2c over r = r₀ + Σ x: on a piece of slope c from a travel t on the travel is t + x/c.
     """
@@ -197,12 +197,19 @@ def reactions_by_least_squares(problem, load):
                 high.append(most)
     of = np.zeros((len(s), len(point)))
     of[point, np.arange(len(point))] = 1.0
-    root = cholesky(of.T @ plate @ of + np.diag(compliance), lower=True)
-    wanted = of.T @ (s - plate @ begin) - travel
-    found = lsq_linear(
-        root.T, solve_triangular(root, wanted, lower=True), (low, high), method="bvls", tol=1e-14, max_iter=2000
-    )
-    return begin + of @ found.x
+    # Rigid pieces at one place have dependent columns. The proximal point method (Rockafellar 1976) adds a multiple of
+    # the identity to the matrix; its steps end at a minimum also where the matrix is singular.
+    matrix = of.T @ plate @ of + np.diag(compliance)
+    shift = 1e-8 * np.trace(matrix) / len(matrix)
+    root = cholesky(matrix + shift * np.eye(len(matrix)), lower=True)
+    linear = of.T @ (s - plate @ begin) - travel
+    x = np.zeros(len(matrix))
+    for _ in range(200):
+        target = solve_triangular(root, linear + shift * x, lower=True)
+        before, x = x, lsq_linear(root.T, target, (low, high), method="bvls", tol=1e-14, max_iter=2000).x
+        if np.abs(x - before).max() <= 1e-11 * np.abs(x).max():
+            return begin + of @ x, s + problem.gaps - plate @ (begin + of @ x)
+    raise AssertionError("the proximal point method does not converge")
 
 
 @st.composite
@@ -244,15 +251,24 @@ def models(draw):
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(model=models())
 def test_random_models_with_limits_and_laws_have_the_least_complementary_energy(model):
-    result, problem = signorini.solve(model)["all"], contact_problem(model)
-    reference, contacts = reactions_by_least_squares(problem, problem.load("all")), problem.discretisation.contacts
+    try:
+        result, problem = signorini.solve(model)["all"], contact_problem(model)
+    except InputError as refused:
+        # Two drawn supports may begin rigidly at one place with different settlements (docs/domain.md).
+        assume("Supports contradict each other" not in str(refused))
+        raise
+    contacts = problem.discretisation.contacts
+    reference, displacement = reactions_by_least_squares(problem, problem.load("all"))
     totals = [
         float((contacts.direction * reference)[contacts.support == index].sum())
         for index in range(1, len(model.support))
     ]
     size = np.abs(reference).sum() + np.abs(problem.load("all")[::3]).sum()
     assert result.certificate.passed
-    assert [one.reaction for one in result.supports[1:]] == pytest.approx(totals, abs=1e-8 * size)
+    found = problem.G @ np.column_stack([result.deflection, result.rotation]).ravel()
+    assert found == pytest.approx(displacement, abs=1e-8 * np.abs(displacement).max())
+    if not result.not_unique:
+        assert [one.reaction for one in result.supports[1:]] == pytest.approx(totals, abs=1e-8 * size)
 
 
 @pytest.mark.parametrize("resists", ["down", "both"])

@@ -327,7 +327,9 @@ def verify(
 def validate(
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write a page and an input file a case. [default: none]"),
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Write a page a case, with pictures and input file. [default: none]"
+        ),
     ] = None,
     names: Annotated[
         list[str] | None, typer.Option("--case", metavar="NAME", help="Only this case; repeatable. [default: all]")
@@ -345,7 +347,7 @@ def validate(
         chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
         with progress_line() as show:
             found = {}
-            for outcome in outcomes(chosen):
+            for outcome in outcomes(chosen, drawn=output is not None):
                 found[outcome.case.name] = outcome
                 show(f"{len(found)} of {len(chosen)} cases")
         ordered = [found[name] for name in chosen]

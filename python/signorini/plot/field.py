@@ -21,6 +21,7 @@ from signorini.base.numbers import POWERS, plain
 from signorini.plot.picture import Panel, PressureLayer
 from signorini.plot.plan import (
     INK,
+    LABEL_SIZE,
     Labels,
     Plan,
     draw_outlines,
@@ -30,8 +31,8 @@ from signorini.plot.plan import (
     literal,
     pieces,
     put_label,
+    text_width,
     triangulation,
-    width,
 )
 from signorini.shapes.arrays import Floats
 
@@ -212,12 +213,12 @@ def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = N
     """Draw the colour bar on the axes ``beside``; without them, on new axes next to ``axes``."""
     room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
     bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
-    bar.set_label(literal(label), fontsize=9)
+    bar.set_label(literal(label), fontsize=LABEL_SIZE)
     bar.outline.set_visible(False)
     bar.formatter = ScalarFormatter()
     bar.formatter.set_powerlimits(POWERS)
     bar.minorticks_off()
     bar.ax.tick_params(length=2.5, labelsize=_NUMBERS)
     bar.update_ticks()
-    widest = max(width(text, _NUMBERS) for text in bar.formatter.format_ticks(bar.get_ticks().tolist()))
+    widest = max(text_width(text, _NUMBERS) for text in bar.formatter.format_ticks(bar.get_ticks().tolist()))
     put_label(bar.ax.yaxis, 1.0, 0.5, max(_LEAST_AWAY, widest + _BESIDE), 0.0)

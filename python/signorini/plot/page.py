@@ -12,9 +12,9 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from signorini.plot.marks import LEGEND_SIZE, Entry, draw_legend
-from signorini.plot.plan import INK, Plan, literal, put_label, set_window, wrapped
+from signorini.plot.plan import INK, LABEL_SIZE, Plan, literal, put_label, set_window, text_width, wrapped
 
-_WIDEST, _TALLEST = 5.6, 7.6
+WIDEST, _TALLEST = 5.6, 7.6
 """Largest width and height of a plan on its page [inches]."""
 _WIDTH_IN_ROW = 3.4
 """Largest width of a plan if several plans are side by side [inches]."""
@@ -40,13 +40,23 @@ _TICKS = 0.6
 class Page:
     """A figure whose parts have fixed positions in inches, so that matplotlib need not compute a layout."""
 
-    def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1, titles: bool = False) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        count: int,
+        length: str,
+        *,
+        bars: bool,
+        rows: int = 1,
+        titles: bool = False,
+        widest: float = WIDEST,
+    ) -> None:
         low, high = plan.window
         width, height = high - low
         self._columns = -(-count // rows) if width <= _WIDE * height else 1
         self._rows, self._beside = -(-count // self._columns), _GAP + _BAR + _RIGHT if bars else 0.3
-        widest = _WIDEST if self._columns == 1 else _WIDTH_IN_ROW
-        scale = min(widest / width, _TALLEST / height)
+        share = widest / WIDEST
+        scale = min((WIDEST if self._columns == 1 else _WIDTH_IN_ROW) / width, _TALLEST / height) * share
         self._box = np.maximum([scale * width, scale * height], _SMALLEST)
         self._above = self._below = 0.0
         self._title_of_plan = _TITLE if titles else 0.0
@@ -59,7 +69,7 @@ class Page:
             set_window(axes, plan)
             for axis, size, name in ((axes.xaxis, self._box[0], "x"), (axes.yaxis, self._box[1], "y")):
                 axis.set_major_locator(MaxNLocator(int(np.clip(size / _TICKS, 2, 8)), steps=[1, 2, 5, 10]))
-                axis.set_label_text(f"{name}{unit}", fontsize=9)
+                axis.set_label_text(f"{name}{unit}", fontsize=LABEL_SIZE)
             put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
             put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
             # If plans are side by side, only the first has numbers on the y axis.
@@ -76,6 +86,12 @@ class Page:
         self._above = max(self._above, 0.12 + _LINE * lines)
         heights = [0.165 * (self._words(part).count("\n") + 1) + 0.035 for part in words]
         self._below = max(self._below, sum(heights) + 0.12 if heights else 0.0)
+        self.figure.set_size_inches(*self._size)
+        self._place()
+
+    def make_room_for_label(self, text: str) -> None:
+        """Increase the page, if necessary, for the label of a colour bar that is longer than the bar."""
+        self._above = max(self._above, 0.5 * (text_width(text, LABEL_SIZE) - float(self._box[1])))
         self.figure.set_size_inches(*self._size)
         self._place()
 

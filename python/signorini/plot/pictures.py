@@ -19,7 +19,7 @@ from signorini.plot.files import DOTS, as_png, png_of, with_texts
 from signorini.plot.line_diagrams import line_diagrams
 from signorini.plot.marks import LARGEST, Entry, draw_numbers, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
-from signorini.plot.page import Page
+from signorini.plot.page import WIDEST, Page
 from signorini.plot.picture import (
     BalanceMark,
     CutMark,
@@ -118,17 +118,31 @@ def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
 
 
 def field_picture(
-    plan: Plan, panels: Sequence[Panel], marks: Sequence[SupportMark] = (), *, title: str = "", length: str = ""
+    plan: Plan,
+    panels: Sequence[Panel],
+    marks: Sequence[SupportMark] = (),
+    *,
+    title: str = "",
+    length: str = "",
+    widest: float = WIDEST,
 ) -> Figure:
-    """Draw fields side by side, each with the supports; the first axes of the returned figure are the plans."""
-    page, scales = _page(plan, panels, length)
+    """Draw fields side by side, each with the supports; the first axes of the returned figure are the plans.
+
+    ``widest`` is the largest width of a single plan in inches.
+    """
+    page, scales = _page(plan, panels, length, widest=widest)
     page.finish(title, _draw_fields(page, plan, panels, scales, marks))
     return page.figure
 
 
-def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> tuple[Page, list[Scale]]:
+def _page(
+    plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1, widest: float = WIDEST
+) -> tuple[Page, list[Scale]]:
     """Make a page with the colour bars and titles of panels; return the page and the colour scale of each panel."""
-    page = Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
+    titles = any(panel.title for panel in panels)
+    page = Page(plan, len(panels), length, bars=True, rows=rows, titles=titles, widest=widest)
+    for label in {panel.label for panel in panels}:
+        page.make_room_for_label(label)
     return page, [_frame(axes, panel, bar) for axes, panel, bar in zip(page.plans, panels, page.bars, strict=True)]
 
 
@@ -230,19 +244,20 @@ def check_picture(
     length: str = "",
     mesh: bool = True,
     numbers: bool = False,
+    widest: float = WIDEST,
 ) -> Figure:
     """Draw a model before it is solved: mesh, supports, loads with their totals, sections and strips.
 
     The pressure layers of ``bedding`` have the stiffness of area supports as values. ``totals`` are texts with the
     totals of load cases. ``poorest`` is the most distorted corner of an element with its text. ``numbers`` adds the
-    node numbers, from 1.
+    node numbers, from 1. ``widest`` is the largest width of the plan in inches.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(
             f"the numbers of {len(plan.nodes)} nodes are unreadable in a picture; at most {_MOST_NUMBERS} are drawn. "
             "Remove --nodes, or use a coarser mesh."
         )
-    page = Page(plan, 1, length, bars=bedding is not None)
+    page = Page(plan, 1, length, bars=bedding is not None, widest=widest)
     (axes,) = page.plans
     sheet = draw_sheet(axes, plan)
     if mesh:

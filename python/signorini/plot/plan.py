@@ -25,6 +25,8 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import Tessellation, tessellate
 
 INK = "#1c2733"
+LABEL_SIZE = 9.0
+"""Font size of the labels of axes and colour bars [points]."""
 _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
 """Style of the hatching of elements that extremes exclude."""
@@ -93,7 +95,7 @@ def literal(text: str) -> str:
 
 
 @cache
-def width(text: str, size: float) -> float:
+def text_width(text: str, size: float) -> float:
     """Width of a text with the font size ``size`` [inches]."""
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
 
@@ -103,10 +105,10 @@ def wrapped(text: str, inches: float, size: float) -> str:
     lines = [""]
     for word in text.split(" "):
         joined = f"{lines[-1]} {word}" if lines[-1] else word
-        lines[-1:] = [joined] if not lines[-1] or width(joined, size) <= inches else [lines[-1], word]
-        while width(lines[-1], size) > inches and len(lines[-1]) > 1:
-            fits = max(1, int(len(lines[-1]) * inches / width(lines[-1], size)))
-            while fits > 1 and width(lines[-1][:fits], size) > inches:
+        lines[-1:] = [joined] if not lines[-1] or text_width(joined, size) <= inches else [lines[-1], word]
+        while text_width(lines[-1], size) > inches and len(lines[-1]) > 1:
+            fits = max(1, int(len(lines[-1]) * inches / text_width(lines[-1], size)))
+            while fits > 1 and text_width(lines[-1][:fits], size) > inches:
                 fits -= 1
             lines[-1:] = [lines[-1][:fits], lines[-1][fits:]]
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Cases without a meshed plate: linear complementarity problems, elastic half-spaces, elements, punching by a code."""
+"""Cases without a meshed plate: linear complementarity problems, elastic half-spaces, elements."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import numpy as np
 
 from signorini import _core
 from signorini.contact.lcp import lemke
-from signorini.design.en1992_punching import Punching
-from signorini.design.perimeters import Column, Plan
 from signorini.discretise.zones import Rigidity
 from signorini.validation.case import Case, Number
 
@@ -22,7 +20,6 @@ def cases() -> Iterator[Case]:
     yield from _problems()
     yield from _half_space()
     yield _elements()
-    yield _punching()
 
 
 def _lcp_case(
@@ -226,34 +223,5 @@ def _elements() -> Case:
         modes,
         (1,),
         (Number("mitc9", "mitc9", 3.0, 1e-12), Number("mitc7", "mitc7", 3.0, 1e-12), Number("q8r", "q8r", 4.0, 1e-12)),
-        direct=True,
-    )
-
-
-def _punching() -> Case:
-    """Inner column of a flat slab by EN 1992-1-1."""
-
-    def numbers(n: int) -> Mapping[str, float]:
-        column = Column(tuple(complex(x, y) for x, y in ((-200, -200), (200, -200), (200, 200), (-200, 200))))
-        slab = 1e4 * np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]])
-        plan = Plan.of(column, [slab], 6.0 * 260.0, widened=True)
-        one = Punching(plan, (260.0, 260.0), (0.0085, 0.0048), 30.0, 500.0, given=1.15)
-        found = one.numbers(np.array([1204.8e3]), np.zeros(1, np.complex128), np.zeros((1, len(one.perimeters))))
-        return {name: float(value[0]) for name, value in found.items()}
-
-    return Case(
-        "punching-concrete-centre",
-        "Punching of an inner column (The Concrete Centre)",
-        ("punching",),
-        "Column 400 mm, d = 260 mm, VEd = 1204.8 kN, β = 1.15, C30/37.",
-        "The Concrete Centre, *How to Design Concrete Structures using Eurocode 2*, flat slabs; EN 1992-1-1, 6.4.3.",
-        "analytical",
-        numbers,
-        (1,),
-        (
-            Number("u1", "u1 [mm]", 4867.0, 2e-4, uncertainty=0.5),
-            Number("v_ed", "vEd at u1 [MPa]", 1.09, 5e-3, uncertainty=5e-3),
-            Number("v_ed_face", "vEd at u0 [MPa]", 3.33, 2e-3, uncertainty=5e-3),
-        ),
         direct=True,
     )

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from signorini.validation import arrays, circles, others, rectangles, rigid, soil, squares, strips
+from signorini.validation import arrays, circles, design, others, rectangles, rigid, soil, squares, strips, torsion
 from signorini.validation.case import Case
 
-_FAMILIES = (squares, rectangles, circles, strips, soil, rigid, others, arrays)
+_FAMILIES = (squares, rectangles, circles, strips, torsion, soil, rigid, others, design, arrays)
 
 
 @cache

@@ -20,6 +20,7 @@ def cases() -> Iterator[Case]:
     """Yield the cases."""
     yield from _patches()
     yield from _two_plates()
+    yield _ssnv129()
     yield _cantilevers()
     yield _curled()
     yield _prop()
@@ -118,6 +119,53 @@ def _two_plates() -> Iterator[Case]:
             ),
             "Shear strain and the contact at the edges change the shares by about h²/a² = 1e-4.",
         )
+
+
+def _ssnv129() -> Case:
+    """Two equal simply supported plates that touch."""
+    young, nu, h, a, b, half = 2e11, 0.3, 0.5, 10.0, 5.0, 1.25e8
+    w, _, my = Navier(a, b, nu, uniform, shear_factor(h, nu)).at(a / 2, b / 2)
+    w *= half / rigidity(young, h, nu)
+
+    def tables(n: int) -> Tables:
+        plate = {"shape": "rectangle", "size": [a, b], "thickness": h, "mesh": {"divisions": [2 * n, n]}}
+        return {
+            "material": {"E": young, "nu": nu},
+            "plates": {"upper": plate, "lower": plate},
+            "support": [{"plate": name, "edge": _EDGES, "fix": "hard"} for name in ("upper", "lower")],
+            "contact": [{"name": "contact", "between": ["upper", "lower"], "area": "all"}],
+            "load": [{"plate": "upper", "pressure": 2 * half}],
+            "probe": [{"plate": "lower", "at": [[a / 2, b / 2]]}],
+        }
+
+    return Case(
+        "ssnv129",
+        "SSNV129, two equal plates that touch",
+        ("several plates", "rigid contact", "hard edges"),
+        "Two rectangles 10 × 5, h = 0.5, E = 2e11, ν = 0.3, one on the other, both on hard edges; pressure 2.5e8 on "
+        "the upper one.",
+        "P. Massin, R. Fernandes, Code_Aster validation manual V6.04.129 (SSNV129), with the values of ssnv129a.comm "
+        "(DKT) and ssnv129b.comm (COQUE_3D). Equal plates share the pressure equally: Navier's series with shear "
+        f"strain, {TIMOSHENKO}, chapter 5; R. D. Mindlin (1951).",
+        "analytical",
+        tables,
+        (4, 8, 16),
+        (
+            Number("contact.reaction", "force between the plates", half * a * b, 1e-3),
+            Number("probe[1].deflection", "w of the lower plate, middle", w, 1e-3),
+            Number("probe[1].my", "my of the lower plate, middle", half * my, 5e-3),
+            Number("probe[1].deflection", "w, computed with COQUE_3D", 0.356759602, 1e-3, uncertainty=5e-5),
+            Number("probe[1].sy_bottom", "σy below, printed", 7.6275e9, 5e-3, uncertainty=2e6),
+            Number(
+                "probe[1].deflection",
+                "w, printed",
+                0.3426875,
+                1e-2,
+                differs="The printed value has the digit 2 too many: Roark's 0.1110 p b⁴/Eh³ for the thin plate under "
+                "p = 1.25e8 is 0.346875. Shear strain adds 3.2 % to the thin plate's 0.34564.",
+            ),
+        ),
+    )
 
 
 def _cantilevers() -> Case:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -54,7 +55,7 @@ def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
 
 
 def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
-    """Write the page and the input file of each case into a directory, the index, and the comparison of ±."""
+    """Write page, input file and pictures of each case into a directory, the index, and the comparison of ±."""
     directory.mkdir(parents=True, exist_ok=True)
     templates = _templates()
     for outcome in outcomes:
@@ -69,6 +70,9 @@ def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
         _write(directory / f"{case.name}.md", page)
         if not case.direct:
             _write(directory / f"{case.name}.toml", model_of(case, case.meshes[-1]).to_toml())
+        for drawing in chain.from_iterable(outcome.drawings):
+            with replacing(directory / f"{case.name}{drawing.ending}.png") as temporary:
+                temporary.write_bytes(drawing.png)
     features: dict[str, list[Case]] = {}
     for outcome in outcomes:
         for feature in outcome.case.features:
@@ -134,7 +138,9 @@ def _templates() -> Environment:
         "rate": lambda value: "–" if value is None else f"{value:.1f}",
         "verdict": _verdict,
         "zip": lambda first, second: zip(first, second, strict=True),
-        "largest": lambda outcome: max(one.errors[-1] for one in outcome.comparisons if not one.number.differs),
+        "largest": lambda outcome: max(
+            (one.errors[-1] for one in outcome.comparisons if not one.number.differs), default=math.nan
+        ),
     }
     return result
 

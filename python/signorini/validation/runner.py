@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from signorini.results.result import Result
 from signorini.studies.workers import Workers
 from signorini.validation.case import Case, Number
 from signorini.validation.catalogue import cases
+
+if TYPE_CHECKING:
+    from signorini.validation.drawing import Drawing
 
 EXACT = 1e-9
 """Largest relative error that counts as rounding; it shows no rate of convergence."""
@@ -95,10 +99,11 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A case with its numbers on all meshes."""
+    """A case with its numbers on all meshes, and two pictures of each plate if they were drawn."""
 
     case: Case
     meshes: tuple[Solved, ...]
+    drawings: tuple[tuple[Drawing, Drawing], ...] = ()
 
     @property
     def comparisons(self) -> list[Comparison]:
@@ -116,10 +121,15 @@ class Outcome:
         return sum(mesh.seconds for mesh in self.meshes)
 
 
-def solve_case(name: str) -> tuple[Solved, ...]:
-    """Solve a case on each of its meshes."""
+def solve_case(name: str, drawn: bool) -> tuple[tuple[Solved, ...], tuple[tuple[Drawing, Drawing], ...]]:
+    """Solve a case on each of its meshes; if ``drawn``, also draw its plates on the finest mesh."""
     case = cases()[name]
-    return tuple(solve_on(case, n) for n in case.meshes)
+    meshes = tuple(solve_on(case, n) for n in case.meshes)
+    if case.direct or not drawn:
+        return meshes, ()
+    from signorini.validation.drawing import drawings  # imports matplotlib
+
+    return meshes, tuple(drawings(solve(model_of(case, case.meshes[-1]))))
 
 
 def model_of(case: Case, n: int) -> Model:
@@ -154,9 +164,9 @@ def values_of(case: Case, result: Result) -> tuple[float, ...]:
     return tuple(one.factor * float(result.numbers[by_name[one.name]]) for one in case.numbers)
 
 
-def outcomes(names: Sequence[str]) -> Iterator[Outcome]:
-    """Solve cases in worker processes, and yield each when it is finished."""
+def outcomes(names: Sequence[str], drawn: bool = False) -> Iterator[Outcome]:
+    """Solve cases in worker processes, with pictures if ``drawn``, and yield each when it is finished."""
     with Workers(min(cores(), len(names))) as workers:
-        waiting = {workers.submit(solve_case, name): name for name in names}
+        waiting = {workers.submit(solve_case, name, drawn): name for name in names}
         for future in as_completed(waiting):
-            yield Outcome(cases()[waiting[future]], future.result())
+            yield Outcome(cases()[waiting[future]], *future.result())
