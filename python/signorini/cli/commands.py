@@ -478,8 +478,9 @@ def _solved(
     """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
     from signorini.analysis.results import with_sensitivities
+    from signorini.analysis.solve import solve_all
 
-    results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
+    results = engine.solve(model, show) if engine else solve_all(model, show, table)
     results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
 
