@@ -242,6 +242,15 @@ def test_schema_accepts_the_examples() -> None:
         jsonschema.validate(tomllib.loads(path.read_text("utf-8")), schema)
 
 
+def test_closed_streams_change_no_exit_code_of_solve_and_make_schema_end_with_1(slab: Path) -> None:
+    command = f"exec {sys.executable} -m signorini"
+    solved = subprocess.run(["sh", "-c", f"{command} solve {slab} --pictures none >&- 2>&-"])
+    assert solved.returncode == 0
+    assert (slab.with_name(f"{slab.stem}-results") / "results.json").exists()
+    schema = subprocess.run(["sh", "-c", f"{command} schema >&-"], stderr=subprocess.PIPE, text=True)
+    assert schema.returncode == 1 and schema.stderr.startswith("Error: ") and "Traceback" not in schema.stderr
+
+
 def test_version() -> None:
     done = run("--version")
     assert (done.exit_code, done.stdout) == (0, f"signorini {signorini.__version__}\n")
