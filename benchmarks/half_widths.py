@@ -23,7 +23,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import half_width_coverage
 
-_TOO_LONG = 30
+_TOO_LONG = 60
 
 
 class Late(BaseException):

@@ -32,8 +32,6 @@ import half_width_coverage
 
 from signorini import SignoriniError, solve
 from signorini.accuracy.half_width import (
-    FASTEST,
-    acts_at_points,
     away,
     half_widths,
     may_grow,
@@ -41,6 +39,7 @@ from signorini.accuracy.half_width import (
     side,
     sizes_of,
 )
+from signorini.model.whole import supports_and_loads
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
 """Factors of the element size, the finest mesh first. The finest mesh is solved only if the others show growth."""
@@ -76,6 +75,12 @@ def unnamed(seed, along):
         return None
 
 
+def acts_at_points(model):
+    """Whether a force, a couple or a support acts at a point, not on a footprint."""
+    points = any(item.at is not None and not item.has_footprint for item in supports_and_loads(model))
+    return points or any(moving.patch is None for moving in model.moving)
+
+
 def _solved(model, factor):
     mesh = model.plate.scaled(model.mesh, factor, model.divisions)
     return solve(model.model_copy(update={"mesh": mesh}))[model.effective_combinations[0].name]
@@ -108,7 +113,7 @@ def growing(results):
     values, none = np.array([row[3] for row in rows]).T, np.zeros(len(rows))
     size = np.array([row[2] for row in rows])
     steps = ((values[k : k + 3], sizes[k : k + 3]) for k in range(len(results) - 2))
-    grown = np.all([half_widths(*step, 2, FASTEST, none, size, none > 0)[1] for step in steps], axis=0)
+    grown = np.all([half_widths(*step, 2, none, size, none > 0)[1] for step in steps], axis=0)
     return {row[0]: f"{row[1]}: {row[3][::-1]}" for row, grows in zip(rows, grown, strict=True) if grows}
 
 

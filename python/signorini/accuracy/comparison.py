@@ -11,10 +11,6 @@ from typing import Any
 import numpy as np
 
 from signorini.accuracy.half_width import (
-    FASTEST,
-    FASTEST_OF_POINTS,
-    SLOWEST,
-    acts_at_points,
     beside,
     half_widths,
     may_grow,
@@ -22,6 +18,7 @@ from signorini.accuracy.half_width import (
     side,
     sizes_of,
     unsettled,
+    within_an_element,
 )
 from signorini.accuracy.half_width import named as named_numbers
 from signorini.accuracy.layers import KINDS as TOUCHED
@@ -36,7 +33,7 @@ from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, SIDES, Key, Number, Path, place_of
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, Key, Number, Path, place_of
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -160,7 +157,6 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
     return values
 
 
-_FEWEST = 2
 _MOVED = 1e-8
 """Smallest change of a number between meshes, relative to its field's size, at which the number counts as
 mesh-dependent.
@@ -169,26 +165,22 @@ mesh-dependent.
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one plate, finest first; ``own`` is the index of the mesh whose results get half-widths.
-
-    ``failed`` says that another mesh could not be solved.
-    """
+    """Meshes of one plate, finest first; ``own`` is the index of the mesh whose results get half-widths."""
 
     every: tuple[Mesh, ...]
     own: int
-    failed: bool = False
 
     @classmethod
-    def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
+    def of(cls, own: Mesh, others: Sequence[Mesh]) -> Meshes:
         """Sort the own mesh and the other meshes by their numbers of elements, the largest number first."""
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
-        return cls(tuple(every), every.index(own), failed)
+        return cls(tuple(every), every.index(own))
 
     def of_plate(self, plate: int) -> Meshes:
         """Return the meshes of one plate, by its index; for a single plate this object."""
         if not self.every[0].layers:
             return self
-        return Meshes(tuple(mesh.layers[plate] for mesh in self.every), self.own, self.failed)
+        return Meshes(tuple(mesh.layers[plate] for mesh in self.every), self.own)
 
     @property
     def sizes(self) -> list[float]:
@@ -204,13 +196,6 @@ class Meshes:
     def reach(self) -> float:
         """Radius of steep fields around a singularity: two elements of the coarsest mesh."""
         return 2.0 * self.sizes[-1]
-
-    def fastest(self, at_points: Bools | bool) -> Floats:
-        """Largest order of convergence that is trusted, for results with or without forces at points."""
-        if self.failed and len(self.every) == _FEWEST:
-            # Two meshes do not show an order of convergence, and the solution on a third mesh failed.
-            return np.full(np.shape(at_points), SLOWEST)
-        return np.where(at_points, FASTEST_OF_POINTS, FASTEST)
 
 
 def compared(
@@ -233,18 +218,15 @@ def compared(
     mesh = meshes.every[meshes.own]
     sizes = sizes_of(own, numbers, model, mesh)
     largest = np.array([sizes[one.quantity.kind] for one in numbers]).reshape(-1, count)
-    at_points, limited = np.full(count, acts_at_points(model)), np.ones((len(numbers), count), np.bool_)
+    limited, unresolved = np.ones((len(numbers), count), np.bool_), np.zeros((len(numbers), count), np.bool_)
     for singular, where in named:
-        at_points |= where & any(one.limited for one in singular)
+        unresolved |= within_an_element(numbers, singular, meshes.every[0])[:, None] & where
         limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
     changes = beside(numbers, np.abs(values[0] - values[1]))
     layer = unseen_layer(model, mesh, meshes.sizes)
     touched = np.array([one.quantity.kind in TOUCHED for one in numbers], np.bool_)[:, None]
     touched = touched & (changes > _MOVED * largest)
-    fringe = ~limited & np.array([one.home == "field" and one.what in SIDES for one in numbers], np.bool_)[:, None]
-    fringe &= np.array([one.quantity.name != "deflection" for one in numbers], np.bool_)[:, None]
-    fastest = meshes.fastest(at_points)
-    widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited, fringe)
+    widths, growing = half_widths(values, meshes.sizes, meshes.own, changes, largest, limited)
     # Peak pressures at the outline of a rigid area have no limit, but need not grow steadily on coarse meshes.
     rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
     peaks = [
@@ -260,14 +242,14 @@ def compared(
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
     _widen_absent(widths, numbers, places, own)
-    return rounded(np.where(growing, np.nan, widths)), growing
+    return rounded(np.where(growing | unresolved, np.nan, widths)), growing
 
 
 def compare(result: Result, others: Sequence[Result], warning: str = "") -> Estimate:
     """Compare a result with results on one or two other meshes; ``warning`` says why there is only one, or none."""
     if result.plates:
         return _compare_plates(result, others, warning)
-    meshes = Meshes.of(result.mesh, [one.mesh for one in others], bool(warning))
+    meshes = Meshes.of(result.mesh, [one.mesh for one in others])
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     catalogue, model = result.catalogue, result.model
     told = [place for place, one in enumerate(catalogue) if one.estimated]

@@ -12,24 +12,15 @@ from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
 from signorini.singularities.singularity import Singularity
 
-FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
-"""Largest order of convergence that is trusted: in general, and with forces at points. A higher apparent order on three
-meshes may be chance. Under a point force the deflection of a Mindlin plate converges with the logarithm of the mesh
-size, slower than any power.
-"""
-
-SLOWEST = 0.2
-"""Order assumed if changes do not shrink: the remaining error is then seven times the last change."""
-
-_OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
-"""Smallest last change that is assumed, relative to the change before it: in general, and on coarse meshes. Two meshes
-may agree by chance.
+_SAFETY, _OF_BEFORE = 3.5, 0.3
+"""Factor of the remaining error, and smallest last change that is assumed, relative to the change before it. With r = 2
+the factor assumes an order of 0.36: under a point force a deflection converges as slowly, and a change may be small by
+chance. An observed order would jump with such a change from one combination to the next.
 """
 
 _GROWS = 0.85
@@ -43,56 +34,48 @@ _ROUNDING = 1e-10
 """Rounding error of a number, relative to the largest number of its kind."""
 
 
+def remaining(change: Floats | float, ratio: float) -> Floats:
+    """Estimated error of a mesh from the last change of a number, F·change / (r − 1), r the ratio of element sizes.
+
+    This is the grid convergence index of P. J. Roache (*Perspective: a method for uniform reporting of grid refinement
+    studies*, J. Fluids Eng. 116, 1994, equation 8) with order 1. Roache has F = 3 where the order is not known.
+    """
+    return np.asarray(_SAFETY * np.asarray(change) / (ratio - 1.0))
+
+
 def half_widths(
-    values: Floats,
-    sizes: Sequence[float],
-    own: int,
-    fastest: float | Floats,
-    beside: Floats,
-    largest: Floats,
-    limited: Bools,
-    fringe: Bools | bool = False,
+    values: Floats, sizes: Sequence[float], own: int, beside: Floats, largest: Floats, limited: Bools
 ) -> tuple[Floats, Bools]:
     """Estimate how far refinement will move numbers, and which numbers have no limit.
 
-    Three meshes of sizes h₀ < h₁ < h₂ have the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂, which show the order p =
-    ln|d₂/d₁| / ln r, r the ratio of sizes. The remaining error of the finest mesh is a geometric series, |d₁| / (r^p −
-    1). p is at most ``fastest`` and at least an assumed order. A half-width is this error plus the distance from the
-    finest mesh. A number that grows on every finer mesh by as much as before has no limit.
+    Three meshes of sizes h₀ < h₁ < h₂ have the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂. A half-width is the distance
+    from the finest mesh plus the remaining error of that mesh, |v − v₀| + `remaining` (max(|d₁|, 0.3 |d₂|), h₁/h₀). A
+    number that grows on every finer mesh by as much as before has no limit.
 
     Values (m, n) are those of two or three meshes, the finest first, NaN where missing; half-widths are for mesh
-    ``own``. Each change counts as at least ``beside``, the change of related numbers, since one change may vanish by
-    chance. ``largest`` are the largest values of each number's field. ``limited`` numbers have a limit. Extremes on the
-    ``fringe``, next to excluded nodes, jump from node to node: their order is trusted less.
+    ``own``. The last change counts as at least ``beside``, the change of related numbers, since one change may vanish
+    by chance. ``largest`` are the largest values of each number's field. ``limited`` numbers have a limit.
 
     Examples
     --------
     >>> import numpy as np
     >>> values = np.array([[1.01, 3.0], [1.04, 2.0], [1.16, 1.0]])
     >>> nothing, largest, limited = np.zeros(2), np.full(2, 3.0), np.zeros(2, bool)
-    >>> widths, growing = half_widths(values, [1.0, 2.0, 4.0], 0, 0.9, nothing, largest, limited)
+    >>> widths, growing = half_widths(values, [1.0, 2.0, 4.0], 0, nothing, largest, limited)
     >>> widths.round(3), growing
-    (array([0.035,   nan]), array([False,  True]))
+    (array([0.126,   nan]), array([False,  True]))
     """
     change = np.abs(values[0] - values[1])
     last = np.where((values == 0).all(axis=0), 0.0, np.fmax(change, beside))
-    fastest = np.where(fringe, np.minimum(fastest, FASTEST_OF_POINTS), fastest)
-    order, growing = np.broadcast_to(fastest, change.shape), np.zeros(change.shape, np.bool_)
+    growing = np.zeros(change.shape, np.bool_)
     if len(values) > 2:
-        before = values[1] - values[2]
-        ratio = sizes[1] / sizes[0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shown = np.log(np.abs(before) / change) / np.log(sizes[2] / sizes[1])
-        told = ~np.isnan(before)
-        order = np.where(told & (change > 0), np.clip(np.where(np.isnan(shown), order, shown), SLOWEST, order), order)
-        part = np.where(fringe, 1.0, _OF_BEFORE if own == 0 else _OF_BEFORE_WHERE_COARSE)
-        last = np.where(told, np.fmax(last, part * np.abs(before)), last)
-        size = np.abs(values)
-        growing = (size[0] > size[1]) & (size[1] > size[2]) & (shown <= np.log(1 / _GROWS) / np.log(2))
+        before, size = np.abs(values[1] - values[2]), np.abs(values)
+        last = np.fmax(last, _OF_BEFORE * before)
+        growing = (
+            (size[0] > size[1]) & (size[1] > size[2]) & (change >= before * _GROWS ** math.log2(sizes[2] / sizes[1]))
+        )
         growing &= ~limited & (change > _COUNTS * largest) & (values[0] * values[2] > 0)
-    else:
-        ratio, order = sizes[1] / sizes[0], np.minimum(order, FASTEST_OF_POINTS)
-    widths = np.abs(values[own] - values[0]) + last / (ratio**order - 1.0)
+    widths = np.abs(values[own] - values[0]) + remaining(last, sizes[1] / sizes[0])
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, _ROUNDING * largest))
     return np.where(growing, np.nan, widths), growing
 
@@ -113,7 +96,7 @@ def rounded(widths: Floats) -> Floats:
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
 
-_OF_VECTOR, _OF_POINTS = 0.25, 0.1
+_OF_VECTOR, _OF_POINTS = 0.5, 0.2
 """Smallest change of a number that is assumed: relative to the largest change among the components of its vector, and
 among the points of its support.
 """
@@ -151,12 +134,6 @@ def _group(one: Number) -> tuple[object, ...]:
     return one.home, one.owner, one.path
 
 
-def acts_at_points(model: Model) -> bool:
-    """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    points = any(item.at is not None and not item.has_footprint for item in supports_and_loads(model))
-    return points or any(moving.patch is None for moving in model.moving)
-
-
 def may_grow(
     numbers: Sequence[Number], model: Model, probes: Floats, singular: Sequence[Singularity], reach: float
 ) -> Bools:
@@ -179,6 +156,19 @@ def may_grow(
             elif number.quantity.singular in one.numbers:
                 own = number.home in ("support", "point") and one.source == supports[number.owner]
                 result[place] |= number.home == "field" or own or (number.home == "probe" and near[number.owner])
+    return result
+
+
+def within_an_element(numbers: Sequence[Number], singular: Sequence[Singularity], finest: Mesh) -> Bools:
+    """Mask (n,) of means beside singularities over less than an element of the finest mesh.
+
+    Such a mean comes from the field within one element on every mesh, so that other meshes do not show its error.
+    """
+    result = np.zeros(len(numbers), np.bool_)
+    for one in singular:
+        elements = finest.locate(np.array(one.where).reshape(-1, 2)).elements
+        if one.within > 0 and (2.0 * one.within < np.sqrt(finest.element_area[elements])).any():
+            result |= [number.home == "mean" and one.excludes(number.quantity.singular) for number in numbers]
     return result
 
 

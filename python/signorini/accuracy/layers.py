@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.accuracy.half_width import FASTEST, sections_at
+from signorini.accuracy.half_width import remaining, sections_at
 from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
@@ -59,7 +59,7 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     widths = np.array([math.sqrt(one.in_twist / one.in_shear) for one in rigidities])
     thickness = _PER_WIDTH * float((solid * widths[which]).mean())
     left, before = (_left(thickness, size) for size in sizes[:2])
-    shown = (before - left) / ((sizes[1] / sizes[0]) ** FASTEST - 1.0)
+    shown = float(remaining(before - left, sizes[1] / sizes[0]))
     return float(_SOFTER * thickness * free / (4.0 * mesh.element_area.sum()) * max(0.0, left - shown))
 
 

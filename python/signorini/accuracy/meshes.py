@@ -29,10 +29,8 @@ from 1000, 250 and 64 elements cover 94 to 96 % of true errors; half-widths from
 _FEWEST_ALONG = 2
 """Smallest number of elements along the longer side of a mesh that can be coarsened."""
 
-_CHEAP, _CHEAP_QUARTER = 10_000, 5_000
-"""Largest numbers of elements of finer meshes for comparison, with half and with a quarter of the element size. Their
-solution takes a second or two.
-"""
+_CHEAP = 10_000
+"""Largest number of elements of finer meshes for comparison. Their solution takes a second or two."""
 
 
 _WORK_EXPONENT = 1.3
@@ -72,8 +70,7 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         # If the outline fixes the element size, other size options give the same mesh. Therefore elements are divided.
         quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
         larger = [] if isinstance(plate, MeshPlate) else [_scaled(model, mesh, 2.0)]
-        cheap = 16 * count <= _CHEAP_QUARTER
-        yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
+        yield (_divided(model, mesh, 0.5), *quarter, *larger)
     if isinstance(plate, MeshPlate):
         return
     # `divisions` do not include refined places; then the number along a side follows from the number of elements.
@@ -82,12 +79,10 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     # Half-widths would jump if some meshes were compared with finer meshes and others with coarser meshes.
     asked = model.mesh.accuracy is not None
     coarse = along < _LEAST_ALONG or count < _LEAST or asked
-    if coarse and 16 * count <= _CHEAP_QUARTER:
+    if coarse and 16 * count <= _CHEAP:
         yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
     if coarse and (asked or 4 * count <= _CHEAP):
-        # If lines that the mesh follows make larger elements impossible, a quarter of the element size is used.
-        instead = [0.25] if 16 * count <= _CHEAP else []
-        yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
+        yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else [])))
     if along > 1:
         yield _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
     if not coarse and 4 * count <= _CHEAP:
@@ -103,7 +98,7 @@ def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         return
     count = len(mesh.elements)
     coarse = _along(model, count) < _LEAST_ALONG or count < _LEAST
-    if coarse and 16 * count <= _CHEAP_QUARTER:
+    if coarse and 16 * count <= _CHEAP:
         yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
     if coarse and 4 * count <= _CHEAP:
         yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 2.0)

@@ -12,7 +12,7 @@ from typing import overload
 import numpy as np
 
 from signorini.accuracy.comparison import Estimate, Meshes, PathEstimate, compare, known
-from signorini.accuracy.half_width import FASTEST_OF_POINTS, acts_at_points, half_widths, rounded
+from signorini.accuracy.half_width import half_widths, rounded
 from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes, ends_of, without
 from signorini.analysis.results import Results
 from signorini.analysis.sampler import LINEAR, SMOOTH, PathLoads, Sampler, State, Watch, root
@@ -74,17 +74,14 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     others, warning = OtherMeshes(path.model, path.mesh, watcher).solved_for_path(found)
     if not others:
         return PathEstimate.nothing(count, wanted, (warning,))
-    meshes = Meshes.of(path.mesh, [mesh for mesh, _ in others], bool(warning))
+    meshes = Meshes.of(path.mesh, [mesh for mesh, _ in others])
     own = [*(t for _, t, _ in [*watches, *asked]), path.limit]
     of = [(path.mesh, own), *others]
     values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every])
     values[np.isinf(values)] = np.nan
     none = np.full(values.shape[1], np.nan)
-    # If a third mesh has no such event, the agreement of two meshes does not show an order of convergence.
-    alike = meshes.fastest(acts_at_points(path.model))
-    fastest = np.where(np.isnan(values).any(axis=0), np.minimum(alike, FASTEST_OF_POINTS), alike)
     size = np.abs(values[meshes.own])
-    widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, np.isnan(none))[0]
+    widths = half_widths(values, meshes.sizes, meshes.own, none, size, np.isnan(none))[0]
     loads = PathLoads((path.start, path.add), path._loads, (0, 0))
     sampler = Sampler(path.problem, loads, path.thresholds, watching(None, ""))
     known_to = [*(LINEAR if sampler.exact(watch) else SMOOTH for watch, _, _ in [*watches, *asked]), LINEAR]

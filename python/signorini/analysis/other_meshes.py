@@ -142,7 +142,7 @@ def without(count: int, why: str) -> str:
     """
     what = (
         "No half-width (±) says how far the mesh is from the plate",
-        "Half-widths (±) are widened, they come from one other mesh alone",
+        "Half-widths (±) come from one other mesh alone",
         "Half-widths (±) come from other meshes than the first that were tried",
     )
     return f"{what[count]}; {why}"
@@ -186,7 +186,7 @@ class EstimatedTable:
             if not result:
                 return cls(others, why)
             every = [(results.combined, results.problem), *result]
-            in_order = Meshes.of(results.problem.mesh, [mesh for _, mesh in others], bool(why))
+            in_order = Meshes.of(results.problem.mesh, [mesh for _, mesh in others])
             own = [problem.mesh for _, problem in every]
             order = [own.index(mesh) for mesh in in_order.every]
             rows = _Rows(results.discretisation, results.combined.layout, in_order)

@@ -73,7 +73,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
     if told and estimates is not None:
         # Extremes over the nodes of several plates together have no half-widths.
-        widths = {} if results.model.plates else _widths_of_wholes(results, estimates, own, told)
+        widths = {} if results.model.plates else _widths_of_wholes(results, own, told)
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
             widths[*path, side] = estimates.half_width(number.column, row) if known_row else None
@@ -83,11 +83,9 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     return {"file": envelope_file(results, group), **tree, "plus_minus": plus_minus}
 
 
-def _widths_of_wholes(
-    results: Results, estimates: Estimates, own: _Shown, others: Sequence[_Shown]
-) -> dict[Path, float | None]:
+def _widths_of_wholes(results: Results, own: _Shown, others: Sequence[_Shown]) -> dict[Path, float | None]:
     """Half-widths by path of extremes over nodes or points; these extremes are not columns of the table."""
-    meshes = Meshes.of(own.mesh, [one.mesh for one in others], bool(estimates.no_others))
+    meshes = Meshes.of(own.mesh, [one.mesh for one in others])
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
     # A line may have nodes on one mesh only; it then has no largest force between nodes there.
