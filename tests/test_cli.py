@@ -128,12 +128,12 @@ def test_one_combination_without_equilibrium_is_named_and_the_others_are_written
     assert not slab.with_name("slab-results").exists()
 
 
-def test_nothing_is_written_where_no_combination_has_equilibrium(slab: Path) -> None:
+def test_results_name_the_reason_where_no_combination_has_equilibrium(slab: Path) -> None:
     slab.write_text(SLAB.replace('"calm"\nfactors = { G = 1, Q = 1 }', '"storm"\nfactors = { W = 1 }'))
     done = run("solve", slab)
-    assert (done.exit_code, done.stdout) == (3, "")
-    assert "storm: The plate lifts off" in done.stderr
-    assert [path.name for path in slab.parent.iterdir()] == ["slab.toml"]
+    assert done.exit_code == 3 and done.stderr.startswith("No equilibrium.\nstorm: ")
+    (storm,) = json.loads((slab.with_name("slab-results") / "results.json").read_text("utf-8"))["combinations"]
+    assert storm["status"] == "no_equilibrium" and storm["message"] in done.stderr
 
 
 def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,7 +173,7 @@ def test_wrong_usage_ends_with_2_and_a_message(arguments: list[str]) -> None:
 
 
 def test_a_directory_that_cannot_be_is_refused_before_solving(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(signorini, "solve", None)
+    monkeypatch.setattr("signorini.analysis.solve.solve_all", None)
     done = run("solve", slab, "-o", slab)
     assert done.exit_code == 2
     assert (
@@ -242,6 +242,15 @@ def test_schema_accepts_the_examples() -> None:
         jsonschema.validate(tomllib.loads(path.read_text("utf-8")), schema)
 
 
+def test_closed_streams_change_no_exit_code_of_solve_and_make_schema_end_with_1(slab: Path) -> None:
+    command = f"exec {sys.executable} -m signorini"
+    solved = subprocess.run(["sh", "-c", f"{command} solve {slab} --pictures none >&- 2>&-"])
+    assert solved.returncode == 0
+    assert (slab.with_name(f"{slab.stem}-results") / "results.json").exists()
+    schema = subprocess.run(["sh", "-c", f"{command} schema >&-"], stderr=subprocess.PIPE, text=True)
+    assert schema.returncode == 1 and schema.stderr.startswith("Error: ") and "Traceback" not in schema.stderr
+
+
 def test_version() -> None:
     done = run("--version")
     assert (done.exit_code, done.stdout) == (0, f"signorini {signorini.__version__}\n")
@@ -258,7 +267,7 @@ def test_a_fault_of_the_program_is_one_line(
     def fail(*_: object, **__: object) -> None:
         raise kind("by\nzero")
 
-    monkeypatch.setattr(signorini, "solve", fail)
+    monkeypatch.setattr("signorini.analysis.solve.solve_all", fail)
     done = run("solve", slab)
     assert done.exit_code == 1
     assert done.stderr.startswith(f"Internal error ({kind.__name__}: by zero).")

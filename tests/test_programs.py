@@ -6,11 +6,13 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
+import strict_schema
 from command import run
 from slab_on_pads import SLAB
 
@@ -26,19 +28,6 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 STORM = SLAB.replace("combination = [", 'combination = [{ name = "storm", factors = { G = -1 } }, ')
 """The slab with a combination without equilibrium."""
 SCHEMA = signorini.results_schema()
-
-
-def strict(node: Any) -> Any:
-    """The schema, which then refuses keys that it does not name."""
-    if isinstance(node, dict):
-        closed = {"additionalProperties": False} if "type" in node and isinstance(node.get("properties"), dict) else {}
-        return {key: strict(value) for key, value in node.items()} | closed
-    return [strict(one) for one in node] if isinstance(node, list) else node
-
-
-STRICT, STRICT_PATH = (
-    jsonschema.Draft202012Validator(strict(schema)) for schema in (SCHEMA, signorini.results_schema("path.json"))
-)
 CHECKS = """
 [[check]]
 name = "w"
@@ -84,23 +73,27 @@ def test_the_schema_of_results_is_draft_2020_12_and_printed_by_the_command(optio
 def test_a_path_has_the_keys_of_the_schema_and_no_others(text: str, events: Any) -> None:
     steps: Any = {"steps": 3} if events == "named" else {}
     followed = signorini.path(signorini.loads(text), "G", "Q", until=3, events=events, **steps)
-    STRICT_PATH.validate(path_json(followed, signorini.estimate(followed) if events == "named" else None))
+    strict_schema.PATH.validate(path_json(followed, signorini.estimate(followed) if events == "named" else None))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_results_of_an_example_have_the_keys_of_the_schema_and_no_others(path: Path) -> None:
     results = signorini.solve(signorini.load(path))
-    STRICT.validate(results_json(results, signorini.estimate(results) if results.model.estimated else None))
+    strict_schema.RESULTS.validate(
+        results_json(results, signorini.estimate(results) if results.model.estimated else None)
+    )
 
 
 def test_results_without_equilibrium_and_with_every_kind_of_line_have_the_keys_of_the_schema() -> None:
     pads = signorini.loads(STORM)
     for output in ({}, {"combinations": "table", "envelope": ["deflection", "mx", "m1"]}):
         model = signorini.validate(pads.model_dump(exclude_unset=True) | {"output": output})
-        STRICT.validate(results_json(solved := signorini.solve(model), signorini.estimate(solved)))
+        strict_schema.RESULTS.validate(results_json(solved := signorini.solve(model), signorini.estimate(solved)))
     pages = runpy.run_path(str(ROOT / "docs" / "tables.py"))
     for text in (pages["_MODEL"], pages["_COLUMNS"]):
-        STRICT.validate(results_json(solved := signorini.solve(signorini.loads(text)), signorini.estimate(solved)))
+        strict_schema.RESULTS.validate(
+            results_json(solved := signorini.solve(signorini.loads(text)), signorini.estimate(solved))
+        )
 
 
 @pytest.mark.parametrize(
@@ -215,8 +208,29 @@ def test_the_table_of_exit_codes_is_that_of_the_program(
     def refuse(*_: object, **__: object) -> None:
         raise signorini.NotCertifiedError("refused")
 
-    monkeypatch.setattr(signorini, "solve", refuse)
+    monkeypatch.setattr("signorini.analysis.solve.solve_all", refuse)
     assert run(*solve[:3], tmp_path / "none").exit_code == 4 and not (tmp_path / "none").exists()
+
+
+@pytest.mark.parametrize("text", [SLAB + CHECKS, TWO], ids=["one plate", "two plates"])
+@pytest.mark.parametrize("kind", ["each", "table"])
+def test_files_with_exit_code_3_are_those_of_this_run_also_if_no_combination_has_an_equilibrium(
+    slab: Path, tmp_path: Path, text: str, kind: str
+) -> None:
+    up = '[{ name = "up", group = "A", factors = { G = -1 } }, { name = "far up", group = "B", factors = { G = -2 } }]'
+    slab.write_text(f'output.combinations = "{kind}"\n' + text)
+    out = tmp_path / "out"
+    assert run("solve", slab, "-o", out).exit_code == 0
+    slab.write_text(re.sub(r"(?m)^combination = .*$", f"combination = {up}", slab.read_text()))
+    done = run("solve", slab, "-o", out, "--xlsx")
+    assert done.exit_code == 3 and "up: " in done.stderr and "far up: " in done.stderr
+    assert strict_schema.faults(out / "results.json") == []
+    found = json.loads((out / "results.json").read_text("utf-8"))
+    assert found["input"]["sha256"] == sha256(slab.read_bytes()).hexdigest()
+    assert {one["status"] for one in found["combinations"]} <= {"no_equilibrium"}
+    assert sorted(path.name for path in out.iterdir()) == sorted(entry["file"] for entry in found["files"])
+    assert run("verify", out / "results.json").exit_code == 0
+    assert run("report", slab).exit_code == 3
 
 
 @pytest.mark.parametrize("text", [SLAB, STORM], ids=["solved", "without equilibrium"])

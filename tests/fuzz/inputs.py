@@ -21,6 +21,7 @@ from random import Random
 
 import campaign
 import mutations
+import strict_schema
 import typer.main
 
 import signorini
@@ -41,7 +42,7 @@ _PICTURES = (
 )
 _NO_PICTURES = {"solve": ("--pictures", "none")}
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
-"""Files that each command may write beside the input, and the exit codes with which it does."""
+"""Files that each command may write beside the input, and the exit codes with which it does; `solve` always does."""
 _CASES = ["load", "G", "Q", "all", "C0"]
 """Names of load cases and combinations of the drawn models, for load paths."""
 
@@ -73,7 +74,7 @@ def ended(
     if code in codes and leaves in left:
         wrong += _faults_of_results(directory / leaves, code) if command == "solve" else []
         left -= {leaves}
-    elif code == 0:
+    elif code == 0 or (code == 3 and command == "solve"):
         wrong.append("nothing is written")
     if left:
         wrong.append(f"left behind: {sorted(left)}")
@@ -122,7 +123,7 @@ def _faults_of_results(directory: Path, code: int) -> list[str]:
         found = json.loads((directory / "results.json").read_text("utf-8"), parse_constant=float.fromhex)
     except (OSError, ValueError) as error:
         return [f"results.json: {error}"]
-    wrong = []
+    wrong = strict_schema.faults(directory / "results.json")
     if sorted(entry["file"] for entry in found["files"]) != sorted(path.name for path in directory.iterdir()):
         wrong.append("other files than results.json says")
     states = [combination["status"] for combination in found["combinations"]]

@@ -74,6 +74,16 @@ def test_the_command_writes_pages_with_input_files_and_pictures(tmp_path: Path, 
         assert signorini.load(tmp_path / f"{name}.toml") == model_of(case, case.meshes[-1])
 
 
+def test_a_directory_that_cannot_be_written_is_refused_before_the_cases_are_solved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("signorini.validation.outcomes", None)
+    taken = tmp_path / "taken"
+    taken.touch()
+    done = run("validate", "--case", "lcp-three", "-o", taken)
+    assert done.exit_code == 2 and str(taken) in done.stderr
+
+
 def test_an_unknown_case_is_refused_with_the_similar_names() -> None:
     done = run("validate", "--case", "square-hard-11")
     assert done.exit_code == 2

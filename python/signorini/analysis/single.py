@@ -149,10 +149,6 @@ def mean_load(discretisation: Discretisation) -> Floats:
     return discretisation.load(Combination.model_construct(name="mean", factors=mean)).nodal
 
 
-_REASONS = 5
-"""If no combination has an equilibrium, the largest number of combinations that the message lists."""
-
-
 def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = None) -> Combined:
     """Solve every combination as a row of a table."""
 
@@ -177,27 +173,16 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Solve every combination as a row of a table, and write the rows to the file ``table`` unless it is None."""
     if table is None:
-        return _any_solved(solve_rows(problem, watcher))
+        return solve_rows(problem, watcher)
     # pyarrow is imported only here.
     from signorini.formats.parquet import writing
 
     try:
         with writing(table, problem.discretisation.model.provenance.metadata) as sink:
-            combined = solve_rows(problem, watcher, sink)
+            return solve_rows(problem, watcher, sink)
     except OSError as error:
         why = error.strerror or str(error)
         raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
-    return _any_solved(combined)
-
-
-def _any_solved(combined: Combined) -> Combined:
-    """Return ``combined``; raise `NoEquilibriumError` if no combination has an equilibrium."""
-    if not combined.solved:
-        reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
-        raise NoEquilibriumError(
-            f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
-        )
-    return combined
 
 
 def rows_of(combined: Combined, again: Callable[[Sink], object]) -> Mapping[str, Column]:

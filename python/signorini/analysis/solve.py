@@ -24,6 +24,9 @@ from signorini.errors import NoEquilibriumError
 from signorini.model import Combination, Model
 from signorini.results.result import Result
 
+_REASONS = 5
+"""If no combination of a table has an equilibrium, the largest number of combinations that the message lists."""
+
 
 @checked
 def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
@@ -73,9 +76,16 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     >>> result.status, round(result.reactions["bearings"], 3), result.certificate.passed
     ('solved', 200000.0, True)
     """
-    watcher = watching(progress, "progress")
+    results = solve_all(model, watching(progress, "progress"), table)
+    if not _any_solved(results):
+        raise NoEquilibriumError(_reasons(results))
+    return results
+
+
+def solve_all(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None = None) -> Results:
+    """Solve a model as `solve` does; also return results in which no combination has an equilibrium."""
     results = _solved(model, watcher, table)
-    if model.mesh.accuracy is None:
+    if model.mesh.accuracy is None or not _any_solved(results):
         return results
     steps, warning, estimates = list[Refined](), "", dict[str, Estimate]()
     finer: Model | None = model
@@ -94,6 +104,21 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
             watch = partial(_refining, watcher, before)
             results = _solved(finer, watch, table)
     return replace(results, refinement=tuple(steps), estimates=estimates, accuracy_warning=warning)
+
+
+def _any_solved(results: Results) -> bool:
+    """Whether some combination has an equilibrium."""
+    if results.model.tabulated:
+        return results.combined.any_solved()
+    return any(result.status == "solved" for result in results.full.values())
+
+
+def _reasons(results: Results) -> str:
+    """Reasons why no combination has an equilibrium; of a table the first."""
+    if not results.model.tabulated:
+        return "\n".join(f"{name}: {result.message}" for name, result in results.full.items())
+    some = "\n".join(f"{name}: {message}" for name, message in list(results.unbalanced.items())[:_REASONS])
+    return f"None of {len(results)} combinations has one, to begin with:\n{some}"
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
@@ -122,8 +147,6 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
         results[combination.name] = result
         contact += spent
         recover += result.seconds
-    if combined is None and all(result.status == "no_equilibrium" for result in results.values()):
-        raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
     part = problem.seconds
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}

@@ -95,6 +95,7 @@ InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file,
 def main() -> None:
     """Run the command line and end the process with its exit code."""
     signal.signal(signal.SIGTERM, _terminate)
+    streams.open_closed()
     for stream in (sys.stdout, sys.stderr):
         # Characters that the terminal's encoding lacks are replaced; by default they would raise an error.
         if hasattr(stream, "reconfigure"):
@@ -342,10 +343,11 @@ def validate(
     with _messages():
         from signorini.base.arguments import known
         from signorini.cli.validation import print_validation
+        from signorini.output.directory import cannot_write, room_for_pages
         from signorini.validation import cases, outcomes, write_pages
 
         chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
-        with progress_line() as show:
+        with progress_line() as show, nullcontext() if output is None else room_for_pages(output):
             found = {}
             for outcome in outcomes(chosen, drawn=output is not None):
                 found[outcome.case.name] = outcome
@@ -356,7 +358,7 @@ def validate(
             try:
                 write_pages(ordered, output)
             except OSError as error:
-                raise SignoriniError(f"{output} cannot be written: {error.strerror}.") from None
+                raise cannot_write(output, error) from None
             streams.stdout().print(f"Written to {visible(output)}{os.sep}")
         if not all(outcome.holds for outcome in ordered):
             raise typer.Exit(1)
@@ -480,8 +482,9 @@ def _solved(
     """Solve a model, differentiate numbers and, unless ``mesh.error`` is false, estimate mesh errors."""
     from signorini.analysis.estimate import estimates_of
     from signorini.analysis.results import with_sensitivities
+    from signorini.analysis.solve import solve_all
 
-    results = engine.solve(model, show) if engine else signorini.solve(model, progress=show, table=table)
+    results = engine.solve(model, show) if engine else solve_all(model, show, table)
     results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
 
@@ -581,7 +584,7 @@ def import_dxf(
             with replacing(target) as temporary:
                 temporary.write_text(drawing_as_toml(result, file.stem), encoding="utf-8")
         except OSError as error:
-            raise SignoriniError(f"{target} cannot be written: {error.strerror}.") from None
+            raise InputError(f"{target} cannot be written: {error.strerror}.", place="output") from None
         out, errors = streams.stdout(), [lost.line for lost in result.lost]
         left_out = [line for line in result.left if line not in errors]
         for heading, lines_of in (("Used", result.took), ("Left out", left_out)):

@@ -78,8 +78,9 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
         _print_enveloped(console, results, envelope, labels)
         print_governing(console, results, estimates, labels, group)
     print_bearings(console, results, estimates, labels)
-    figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
-    say(console, f"worst certificate passed: {figures}")
+    if combined.solved:
+        figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
+        say(console, f"worst certificate passed: {figures}")
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     meshes = [results.discretisation.mesh, *(mesh for _, mesh in others)] if others else []
     elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)

@@ -33,6 +33,16 @@ def stderr() -> Console:
     return _console(sys.stderr)
 
 
+def open_closed() -> None:
+    """Open standard output and standard error if they are closed; writing to them then raises an OSError.
+
+    Otherwise a file of results could get their descriptors.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDONLY), "w", encoding="utf-8"))
+
+
 def flush() -> None:
     """Flush both streams at the end of the process, without raising."""
     for stream in (sys.stdout, sys.stderr):

@@ -25,7 +25,7 @@ from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import explain, imbalance_of
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, Place
+from signorini.errors import InputError, NotCertifiedError, Place
 from signorini.formats.vtk import as_meshio, write_pvtu, write_vtu
 from signorini.model import Combination, Model
 from signorini.mpi.certificate import errors
@@ -83,8 +83,6 @@ class Engine:
         ------
         InputError
             If the model has a part that this engine does not solve.
-        NoEquilibriumError
-            If no combination has an equilibrium.
         NotCertifiedError
             If an answer fails its certificate.
         """
@@ -96,8 +94,6 @@ class Engine:
             # Only one discretisation is in memory.
             discretisation = None
             results[combination.name], discretisation = _result(self.ranks, model, combination, show, seconds)
-        if all(result.status == "no_equilibrium" for result in results.values()):
-            raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
         seconds["recover"] = sum(result.seconds for result in results.values())
         seconds["total"] = time.perf_counter() - begun
         assert discretisation is not None, "a model has a combination"

@@ -71,6 +71,13 @@ def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
+def room_for_pages(directory: str | os.PathLike[str]) -> Iterator[Path]:
+    """Context as `room_for`, for the pages of validation, which replace pages of the same names."""
+    with _room(Path(directory), lambda of: [], ()) as room:
+        yield room
+
+
+@contextmanager
 def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[str]) -> Iterator[Path]:
     target = directory.absolute()
     with ExitStack() as context:

@@ -44,7 +44,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
         "solved_alone": combined.alone,
         "not_unique": combined.not_unique,
         "governing": list(results.governing),
-        "certificate": {**combined.certificate, "passed": True},
+        "certificate": {**combined.certificate, "passed": True} if combined.solved else None,
         "warnings": list(table_warnings(results, estimates)),
         "unbalanced": [{"name": name, "message": message} for name, message in combined.unbalanced.items()],
     }
@@ -88,7 +88,9 @@ def _widths_of_wholes(results: Results, own: _Shown, others: Sequence[_Shown]) -
     meshes = Meshes.of(own.mesh, [one.mesh for one in others])
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
-    values = np.array([[value for _, value, *_ in one.wholes()] for one in every])[:, :, None]
+    # A line may have nodes on one mesh only; it then has no largest force between nodes there.
+    found = [{number.path: value for number, value, *_ in one.wholes()} for one in every]
+    values = np.array([[of.get(number.path, np.nan) for number in numbers] for of in found])[:, :, None]
     named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
     result, _ = compared(values, numbers, meshes, results.model, results.combined.layout.probes, named)
     return {one.path: known(width) for one, (width,) in zip(numbers, result.tolist(), strict=True)}
@@ -103,7 +105,7 @@ class _Shown:
 
     @classmethod
     def of(cls, combined: Combined, mesh: Mesh, group: str) -> _Shown | None:
-        return None if group and group not in combined.groups else cls(combined.over(group), mesh)
+        return cls(combined.over(group), mesh) if combined.any_solved(group) else None
 
     def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
         """Yield the extremes of table columns: number, keys, "max" or "min", and number of the table's row."""

@@ -35,7 +35,7 @@ def governing_reactions(results: Results, estimates: Estimates | None, group: st
 
 def governing(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
     """Extremes of each bearing: reaction as in `governing_reactions`, then gap, pressure and contact area."""
-    if group and group not in results.groups:
+    if not results.combined.any_solved(group):
         return []
     layout, model, envelope = results.combined.layout, results.model, results.combined.over(group)
     columns, of = [bearing.column(model) for bearing in layout.bearings], envelope.values

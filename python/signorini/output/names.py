@@ -119,7 +119,7 @@ def envelope_files(results: Results) -> dict[tuple[str, str], str]:
     if not (results.model.tabulated and results.envelope.fields):
         return {}
     named = zip(_enveloped(results.model), unique_slugs(_envelopes(results.model)), strict=True)
-    return {(group, plate): f"{slug}.vtu" for (group, plate), slug in named if not group or group in results.groups}
+    return {(group, plate): f"{slug}.vtu" for (group, plate), slug in named if results.combined.any_solved(group)}
 
 
 def envelope_file(results: Results, group: str, plate: str = "") -> str | None:

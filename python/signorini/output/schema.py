@@ -180,7 +180,8 @@ def _numbers(of: Iterable[Quantity], form: str) -> dict[str, Node]:
         at, path = tree, (one.name,) if form.startswith("named") else one.path
         for key in path[:-1]:
             at = at.setdefault(key, {})
-        number = _or_null({"type": "integer" if one.kind == "count" else "number"})
+        # The half-width of a count, in plus_minus, is no whole number.
+        number = _or_null({"type": "number"})
         at[path[-1]] = [_said(_or_null({"$ref": "#/$defs/extreme"}) if extremes else number, one)]
     return {key: _assembled(node) for key, node in tree.items()}
 

@@ -21,7 +21,7 @@ from typing import Any, Literal
 from signorini.analysis.estimate import estimate_asked, estimate_path, estimates_of
 from signorini.analysis.path import path as load_path
 from signorini.analysis.results import alone, with_sensitivities
-from signorini.analysis.solve import solve
+from signorini.analysis.solve import solve_all
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
 from signorini.base.progress import Watcher
@@ -248,7 +248,7 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
         return path_json(found, estimate)
     if own := _table(options.get("combination")):
         model = alone(model, Combination(**own))
-    results = with_sensitivities(solve(model, watcher), options.get("sensitivity", ()), watcher)
+    results = with_sensitivities(solve_all(model, watcher), options.get("sensitivity", ()), watcher)
     told = [stored.get("envelope"), *(of if isinstance(of := stored.get("combinations"), list) else [])]
     estimated = model.estimated or any(_table(one).get("plus_minus") is not None for one in told)
     return results_json(

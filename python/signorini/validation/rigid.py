@@ -152,8 +152,8 @@ def _footings() -> Iterator[Case]:
             given(lambda n, e: _rigid((2, 2), n, [1 + 2 * e[0], 1 + 2 * e[1]], {}), e),
             (6, 12, 24),
             (
-                Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-2, 4.0, own * peak),
-                Number("soil.contact_area", "contact/A", area, 1e-2, 0.25, 1e-3 if numeric else 1e-5),
+                Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-3, 4.0, own * peak),
+                Number("soil.contact_area", "contact/A", area, 1e-3, 0.25, 1e-3 if numeric else 1e-5),
             ),
             "The thickness is half of the side and E/k is large, so that the footing bends by about 1e-5.",
         )
@@ -192,8 +192,8 @@ def _discs() -> Iterator[Case]:
             ),
             (4, 8, 16),
             (
-                Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-2, pi, 2e-5 * peak),
-                Number("soil.contact_area", "contact/A", part, 1e-2, 1 / pi, 2e-5),
+                Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-3, pi, 2e-5 * peak),
+                Number("soil.contact_area", "contact/A", part, 1e-3, 1 / pi, 2e-5),
             ),
         )
 
@@ -221,9 +221,9 @@ def _base_plate() -> Case:
         },
         (12, 24, 48),
         (
-            Number("grout.contact_area", "compressed length [m]", 0.362679, 1e-2, 2.5, 5e-7),
-            Number("anchors.reaction", "anchors [kN]", 199.126, 1e-2, -1e-3, 5e-4),
-            Number("grout.max_pressure", "largest pressure [MPa]", 9.638, 1e-2, 1e-6, 5e-4),
+            Number("grout.contact_area", "compressed length [m]", 0.362679, 1e-3, 2.5, 5e-7),
+            Number("anchors.reaction", "anchors [kN]", 199.126, 1e-3, -1e-3, 5e-4),
+            Number("grout.max_pressure", "largest pressure [MPa]", 9.638, 1e-3, 1e-6, 5e-4),
         ),
     )
 
@@ -292,8 +292,8 @@ def _crushing() -> Case:
         },
         (10, 20, 40),
         (
-            Number("soil.yielded_area", "yielded area [m²]", (mean - falling / 2) * width, 1e-2, uncertainty=2e-3),
-            Number("soil.contact_area", "contact area [m²]", (mean + falling / 2) * width, 1e-2, uncertainty=1e-3),
+            Number("soil.yielded_area", "yielded area [m²]", (mean - falling / 2) * width, 1e-3, uncertainty=2e-3),
+            Number("soil.contact_area", "contact area [m²]", (mean + falling / 2) * width, 1e-3, uncertainty=1e-3),
             Number("soil.max_pressure", "largest pressure [kPa]", 200.0, 1e-9, 1e-3),
         ),
     )

@@ -94,6 +94,10 @@ class Combined(Brief):
         """Return the envelope of a group; for ``group=""`` that of all combinations."""
         return self.groups[group] if group else self.envelope
 
+    def any_solved(self, group: str = "") -> bool:
+        """Whether some combination of a group has an equilibrium; for ``group=""`` some of all combinations."""
+        return group in self.groups if group else self.solved > 0
+
     @property
     def governing(self) -> list[int]:
         """Row numbers of the combinations that have an extreme: group by group, or over all if there are no groups."""
