@@ -298,14 +298,13 @@ def test_a_single_bearing_has_no_others() -> None:
 def test_where_half_widths_are_wide_it_is_said_once_what_helps(count: int) -> None:
     load = [{"case": "G", "pressure": 5.0}, {"case": "Q", "force": 80, "at": [2.1, 2.2], "patch": [0.3, 0.3]}]
     made = [{"name": f"c{i}", "factors": {"G": 1, "Q": 1 + i}} for i in range(count)]
-    held = [{"edge": ["left", "right"], "fix": "simple"}]
+    held = [{"edge": ["left", "right", "bottom", "top"], "fix": "clamped"}]
     given = {"size": (10, 10), "load": load, "support": held, "combination": made}
-    coarse = rectangular(**given, mesh={"size": 0.5})
-    said = shown(print_results, signorini.solve(coarse), WIDE)
+    said = shown(print_results, signorini.solve(rectangular(**given, mesh={"size": 0.5})), WIDE)
     (told,) = re.findall(r"± is more than half of the largest (.*): the mesh is too coarse there\. Use", said)
-    assert "my at [2.25, 2.2]" in told
-    finer = rectangular(**given, mesh={"size": 0.5, "refine": [{"at": [2.1, 2.2], "size": 0.1}]})
-    assert "my at [2" not in shown(print_results, signorini.solve(finer), WIDE)
+    assert "qx at [1.95, 2.2]" in told
+    finer = rectangular(**given, mesh={"size": 0.5, "refine": [{"at": [2.1, 2.2], "size": 0.05}]})
+    assert "± is more than half" not in shown(print_results, signorini.solve(finer), WIDE)
 
 
 def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:

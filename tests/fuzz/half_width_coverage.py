@@ -86,7 +86,9 @@ def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
     """Judge the numbers of up to two combinations; empty if the seed gives no plate with an answer."""
     try:
         model = plate(seed, least, most)
-        names = list(model.effective_combinations.names())[:2]
+        # Without a load all numbers are zero but for rounding.
+        acting = [one for one in model.effective_combinations if one.factors is None or any(one.factors.values())]
+        names = [one.name for one in acting][:2]
         only = {"combination": tuple(one for one in model.effective_combinations if one.name in names)}
         model = model.model_copy(update=only)
         found = [one for one in estimate(solve(model)).values() if one.elements]
