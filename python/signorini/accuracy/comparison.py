@@ -223,7 +223,7 @@ def compared(
         unresolved |= within_an_element(numbers, singular, meshes.every[0])[:, None] & where
         limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
     changes = beside(numbers, np.abs(values[0] - values[1]))
-    layer = unseen_layer(model, mesh, meshes.sizes[0])
+    layer = unseen_layer(model, mesh, meshes.sizes)
     touched = np.array([one.quantity.kind in TOUCHED for one in numbers], np.bool_)[:, None]
     touched = touched & (changes > _MOVED * largest)
     widths, growing = half_widths(values, meshes.sizes, meshes.own, changes, largest, limited)

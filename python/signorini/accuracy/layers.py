@@ -10,7 +10,7 @@ Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -47,14 +47,20 @@ _ON_EDGE = 1e-6
 """
 
 
-def unseen_layer(model: Model, mesh: Mesh, size: float) -> float:
-    """Part of a field in the layer along edges with free twist that elements with sides ``size`` do not resolve."""
+def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
+    """Part of a field in the layer along edges with free twist that none of the compared meshes resolves.
+
+    ``sizes`` are the sides of elements on the finest meshes. The part excludes the error that the change between these
+    meshes shows with order 1, which the comparison of meshes covers.
+    """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     solid, rigidities, which = sections_at(model, mesh.points)
     widths = np.array([math.sqrt(one.in_twist / one.in_shear) for one in rigidities])
     thickness = _PER_WIDTH * float((solid * widths[which]).mean())
-    return float(_SOFTER * thickness * free / (4.0 * mesh.element_area.sum()) * _left(thickness, size))
+    left, before = (_left(thickness, size) for size in sizes[:2])
+    shown = (before - left) / (sizes[1] / sizes[0] - 1.0)
+    return float(_SOFTER * thickness * free / (4.0 * mesh.element_area.sum()) * max(0.0, left - shown))
 
 
 def unseen_at_edges(
