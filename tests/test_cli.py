@@ -187,7 +187,7 @@ def test_check_draws_and_says_where_the_load_acts(slab: Path) -> None:
     assert slab.with_name("slab-check.png").read_bytes().startswith(b"\x89PNG")
     # 80 kN at (2, 2) and 80 kN at (0.2, 1)
     (row,) = (line for line in done.stdout.splitlines() if line.startswith("calm"))
-    assert row.split() == ["calm", "160", "[1.1,", "1.5]", "yes", "Q", "at", "1.25"]
+    assert row.split() == ["calm", "160", "[1.1,", "1.5]", "yes", "1.25", "×", "factored", "Q"]
     assert not slab.with_name("slab-results").exists()
     assert run("check", slab, "-o", slab.with_name("plan.pdf")).exit_code == 0
     assert slab.with_name("plan.pdf").read_bytes().startswith(b"%PDF")

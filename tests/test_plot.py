@@ -476,7 +476,7 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     axes = figure.axes[0]
     written = [text.get_text() for text in axes.texts]
     assert {"left", "right", "bottom", "top"} < set(written)
-    assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
+    assert written.count("60 kN up") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
     legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
     assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in total"} < set(legend)
     assert "T: moment [0, 4.5] kN m in total" in legend

@@ -167,7 +167,7 @@ def test_a_rigid_block_loses_its_contact_at_the_closed_form_eccentricities(divis
     assert said == [("begins to open", 1.0), *(("part closed", part) for part in (0.75, 0.5, 0.25))]
     exact = force * width * np.array([1 / 6, 1 / 4, 1 / 3, 5 / 12])
     for event, t, width_of in zip(found.support_events, exact, signorini.estimate(found).events, strict=True):
-        assert abs(event.t - t) <= width_of < 0.02 * t
+        assert abs(event.t - t) <= width_of < 0.04 * t
 
 
 def test_a_table_on_four_legs_loses_two_at_once_as_it_tips() -> None:

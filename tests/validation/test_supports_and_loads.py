@@ -399,7 +399,7 @@ def test_walls_oblique_to_a_rectangle_part_moments_where_the_elements_are_not_co
     within = np.array(signorini.estimate(result).plus_minus["probes"][0]["moment"], float)
     assert not result.warnings
     assert np.abs(found - exact).max() < 0.06 * np.abs(exact).max()
-    assert (np.abs(found - exact) <= within).all() and within.max() < 0.12 * np.abs(exact).max()
+    assert (np.abs(found - exact) <= within).all() and within.max() < 0.13 * np.abs(exact).max()
     cut, result = along_it({"divisions": [15, 10]})
     assert np.abs(cut - exact).max() > 3.0 * np.abs(found - exact).max()
     assert "The mesh does not follow the" in result.warnings[0]
