@@ -312,7 +312,7 @@ def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond
     result = solve(model)["all"]
     (far, near), (of_far, of_near) = result.probes, widths_of(result)["probes"]
     assert far.design_moment["bottom"] == near.design_moment["bottom"] == (0, 0)
-    assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 20
+    assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
     reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
     assert of_near["design_moment"]["bottom"][0] == pytest.approx(reach, rel=0.01)
 

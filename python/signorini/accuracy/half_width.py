@@ -34,23 +34,16 @@ _ROUNDING = 1e-10
 """Rounding error of a number, relative to the largest number of its kind."""
 
 
-def remaining(change: Floats | float, ratio: float) -> Floats:
-    """Estimated error of a mesh from the last change of a number, F·change / (r − 1), r the ratio of element sizes.
-
-    This is the grid convergence index of P. J. Roache (*Perspective: a method for uniform reporting of grid refinement
-    studies*, J. Fluids Eng. 116, 1994, equation 8) with order 1. Roache has F = 3 where the order is not known.
-    """
-    return np.asarray(_SAFETY * np.asarray(change) / (ratio - 1.0))
-
-
 def half_widths(
     values: Floats, sizes: Sequence[float], own: int, beside: Floats, largest: Floats, limited: Bools
 ) -> tuple[Floats, Bools]:
     """Estimate how far refinement will move numbers, and which numbers have no limit.
 
     Three meshes of sizes h₀ < h₁ < h₂ have the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂. A half-width is the distance
-    from the finest mesh plus the remaining error of that mesh, |v − v₀| + `remaining` (max(|d₁|, 0.3 |d₂|), h₁/h₀). A
-    number that grows on every finer mesh by as much as before has no limit.
+    from the finest mesh plus the remaining error of that mesh, |v − v₀| + F max(|d₁|, 0.3 |d₂|) / (r − 1), r = h₁/h₀.
+    The second term is the grid convergence index with order 1 (P. J. Roache, *J. Fluids Eng.* 116, 1994, equation 8);
+    Roache has F = 3 where the order is not known. A number that grows on every finer mesh by as much as before has no
+    limit.
 
     Values (m, n) are those of two or three meshes, the finest first, NaN where missing; half-widths are for mesh
     ``own``. The last change counts as at least ``beside``, the change of related numbers, since one change may vanish
@@ -75,7 +68,7 @@ def half_widths(
             (size[0] > size[1]) & (size[1] > size[2]) & (change >= before * _GROWS ** math.log2(sizes[2] / sizes[1]))
         )
         growing &= ~limited & (change > _COUNTS * largest) & (values[0] * values[2] > 0)
-    widths = np.abs(values[own] - values[0]) + remaining(last, sizes[1] / sizes[0])
+    widths = np.abs(values[own] - values[0]) + _SAFETY * last / (sizes[1] / sizes[0] - 1.0)
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, _ROUNDING * largest))
     return np.where(growing, np.nan, widths), growing
 
