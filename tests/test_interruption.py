@@ -159,11 +159,11 @@ def hidden(slab: Path) -> list[Path]:
 
 
 NATIVE = """
-import ctypes, signorini
-def solve(model, progress, table):
+import ctypes, signorini.analysis.solve
+def solve_all(model, progress, table):
     print("here", flush=True)
     ctypes.CDLL(None).usleep(30_000_000)
-sys.modules["signorini"].solve = solve
+signorini.analysis.solve.solve_all = solve_all
 """
 
 
