@@ -64,19 +64,16 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     The first two meshes of a tuple are compared. The third mesh replaces a mesh that cannot be solved, or that differs
     too little.
     """
-    if model.plates:
-        yield from _beside_plates(model, mesh)
+    given = _is_given(model)
+    if model.plates and given:
         return
-    count, plate, divisions = len(mesh.elements), model.plate, model.divisions
+    count, along = len(mesh.elements), _along(model, len(mesh.elements))
     # Where the outline fixes the element size, other size options give the same mesh.
-    fixed = isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP)
+    outlined = not model.plates and model.divisions is None and mesh.spanning.any() and count <= _CHEAP
+    fixed = given or outlined
     # Sizes between refined places and the rest of a plate do not follow the size options. Division halves them all.
-    finer = _divided if fixed or _is_straight(mesh) else _scaled
-    # `divisions` do not include refined places; then the number along a side follows from the number of elements.
-    along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
-    coarser = (
-        [] if isinstance(plate, MeshPlate) or along == 1 else [_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)]
-    )
+    finer = _divided if fixed or (not model.plates and _is_straight(mesh)) else _scaled
+    coarser = [] if given or along == 1 else [_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)]
     # In a refinement to an accuracy, all meshes are compared with finer meshes.
     # Half-widths would jump if some meshes were compared with finer meshes and others with coarser meshes.
     asked = model.mesh.accuracy is not None
@@ -87,8 +84,13 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         yield finer(model, mesh, 0.5), *coarser[:1]
     if coarser:
         yield tuple(coarser)
-    if 4 * count <= _CHEAP:
+    if not model.plates and 4 * count <= _CHEAP:
         yield (_divided(model, mesh, 0.5),)
+
+
+def _is_given(model: Model) -> bool:
+    """Whether the input gives the mesh of the plate, or of one of several plates."""
+    return any(isinstance(plate, MeshPlate) for plate in (model.plate, *model.plates.values()))
 
 
 def _is_straight(mesh: Mesh) -> bool:
@@ -98,22 +100,11 @@ def _is_straight(mesh: Mesh) -> bool:
     return bool(np.abs(mesh.points[mesh.elements[:, 4:8]] - middles).max() <= _STRAIGHT * mesh.size)
 
 
-def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
-    """Yield the tuples of `meshes_beside` for several plates; elements of all plates change by the same factor."""
-    if any(isinstance(plate, MeshPlate) for plate in model.plates.values()):
-        return
-    count = len(mesh.elements)
-    coarse = _along(model, count) < _LEAST_ALONG or count < _LEAST
-    if coarse and 16 * count <= _CHEAP:
-        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
-    if coarse and 4 * count <= _CHEAP:
-        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 2.0)
-    yield _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
-
-
 def _along(model: Model, count: int) -> int:
     """Estimated number of elements along the shorter side of a plate; for several plates the smallest number."""
-    each = [part.model.divisions for part in model.parts]
+    parts = [part.model for part in model.parts] if model.plates else [model]
+    # `divisions` do not include refined places; then the number along a side follows from the number of elements.
+    each = [None if part.mesh.refine else part.divisions for part in parts]
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
 
@@ -124,8 +115,7 @@ def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
     """
     count, rows = len(mesh.elements), None if model.plates or model.mesh.refine else model.divisions
     along = _along(model, count) if model.plates else math.isqrt(count) if rows is None else max(rows)
-    given = any(isinstance(plate, MeshPlate) for plate in model.plates.values()) or isinstance(model.plate, MeshPlate)
-    if given or along < _FEWEST_ALONG:
+    if _is_given(model) or along < _FEWEST_ALONG:
         return ()
     pair = _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
     if _rows(pair[0].model) == _rows(pair[1].model):
