@@ -297,15 +297,19 @@ def _by_combination(of: Contents) -> Iterator[Block]:
     write, model = of.write, of.results.model
     areas = {support.name for support in model.support if support.area is not None}
     numbers = [pair for pair in by_combination(of.results) if pair[0].home != "support" or pair[0].subject in areas]
+    # Numbers of one kind, such as the two eccentricities, have one reference: one of them may be rounding errors only.
+    sizes = {"length": of.results.discretisation.mesh.size}
+    for one, values in numbers:
+        kind = one.quantity.kind
+        sizes[kind] = float(np.nanmax(np.abs(values), initial=sizes.get(kind, 0.0)))
     for first in range(0, len(numbers), _ACROSS):
         some = numbers[first : first + _ACROSS]
-        sizes = [float(np.nanmax(np.abs(values), initial=0.0)) for _, values in some]
         rows = [
             [
                 Cell(of.short(one.name)),
                 *(
-                    write.number(None if np.isnan(own[row]) else float(own[row]), size=size)
-                    for (_, own), size in zip(some, sizes, strict=True)
+                    write.number(None if np.isnan(own[row]) else float(own[row]), size=sizes[which.quantity.kind])
+                    for which, own in some
                 ),
             ]
             for row, one in enumerate(model.effective_combinations)

@@ -12,13 +12,13 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit, number
-from signorini.equilibrium.balance import NO_FORCE
 from signorini.model.key_units import unit_of
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched, punched
 from signorini.results.load_path import LoadPath
+from signorini.results.marks import resultant_of
 from signorini.results.quantities import PICTURED, Quantity, in_model
 
 _MOST_ROWS = 500
@@ -184,17 +184,14 @@ def loads(of: Contents) -> Iterator[Block]:
         rows.append([Cell(str(table.get("case", "load"))), Cell("; ".join(shown)), Cell(place)])
     yield Table(write("loads"), [write("case"), write("load"), write.titled("place", "deflection")], rows)
     rows, units = [], of.write.units
-    for case, load in discretisation.cases.items():
-        force, *moments = (discretisation.rigid_motions.T @ load.weighing).reshape(-1, 3).sum(axis=0).tolist()
-        most = float(np.abs(load.weighing).sum())
+    for case in discretisation.cases:
+        force, *couple = resultant_of(discretisation, case)
         at: object = None
-        if any(moments):
-            at = f"{write('couple')} [{', '.join(f'{moment:.5g}' for moment in moments)}] {units.force_by_length(1)}"
-        if abs(force) > NO_FORCE * most:
-            at = [
-                middle + moment / force for middle, moment in zip(discretisation.middle.tolist(), moments, strict=True)
-            ]
-        rows.append([Cell(case), write.number(force, size=most), write.place(at)])
+        if force:
+            at = (discretisation.middle + np.array(couple) / force).tolist()
+        elif any(couple):
+            at = f"{write('couple')} [{', '.join(f'{one:.5g}' for one in couple)}] {units.force_by_length(1)}"
+        rows.append([Cell(case), write.number(force), write.place(at)])
     yield Table(
         write("sums"), [write("case"), write("sum") + in_unit(units.force), write("resultant")], rows[:_MOST_ROWS]
     )

@@ -275,16 +275,19 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
     return f"{text} {unit}".rstrip()
 
 
+def resultant_of(discretisation: Discretisation, case: str) -> tuple[float, float, float]:
+    """Force, positive down, and couples (mx, my) about the plate's middle of a load case; rounding errors are 0."""
+    weighing, motions = discretisation.cases[case].weighing, discretisation.rigid_motions
+    total, most = (each.reshape(-1, 3).sum(axis=0) for each in (weighing @ motions, np.abs(weighing) @ np.abs(motions)))
+    force, mx, my = np.where(np.abs(total) > NO_FORCE * most, total, 0.0).tolist()
+    return force, mx, my
+
+
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
     """Texts with the sum of forces of each load case that does not move; for a case without forces, of couples."""
     units, sums = discretisation.model.units, {}
-    motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
-        weighing = discretisation.cases[case].weighing
-        total, most = (
-            each.reshape(-1, 3).sum(axis=0) for each in (weighing @ motions, np.abs(weighing) @ np.abs(motions))
-        )
-        force, *couple = np.where(np.abs(total) > NO_FORCE * most, total, 0.0).tolist()
+        force, *couple = resultant_of(discretisation, case)
         if force:
             sums[case] = f"{plain(abs(force), 4)} {units.force}".rstrip() + (" up" if force < 0 else " down")
         elif any(couple):
