@@ -153,7 +153,7 @@ def test_a_moment_under_a_point_force_has_no_half_width_and_is_named() -> None:
     assert at["moment"][:2] == [None, None]
     assert None not in beside["moment"]
     (sentence,) = found.warnings
-    assert "the probe at [2, 2] moment mx, moment my" in sentence
+    assert "moment mx, moment my" in sentence
     assert sentence in results_json(solved, estimates)["combinations"][0]["warnings"]
 
 
@@ -171,7 +171,7 @@ def test_what_a_clamped_point_carries_turns_without_a_limit_wherever_it_is() -> 
     (width,) = compared.plus_minus["probes"]
     assert (width["deflection"], width["rotation"][0], compared.plus_minus["deflection"]["max"]) == (None, None, None)
     assert all(moment > 0 for moment in width["moment"])
-    assert "probe at [3.5, 3.2] deflection, rotation θx" in compared.warnings[0]
+    assert "deflection, rotation θx of the probe at [3.5, 3.2]" in compared.warnings[0]
 
 
 def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_half_width() -> None:
@@ -188,7 +188,7 @@ def test_the_largest_pressure_of_a_rigid_area_smaller_than_an_element_has_no_hal
     compared: Any = estimate(found)
     pad = compared.plus_minus["supports"][1]
     assert (pad["max_pressure"], pad["reaction"] > 0) == (None, True)
-    assert "of pad max pressure" in compared.warnings[0]
+    assert "max pressure of pad" in compared.warnings[0]
 
 
 def test_the_largest_tension_of_a_rigid_area_that_holds_down_has_no_half_width_either() -> None:

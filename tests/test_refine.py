@@ -210,8 +210,10 @@ def test_while_meshes_are_refined_progress_says_how_far_the_last_one_came() -> N
     assert any(line.startswith("mesh 2, ") and ", on a mesh of " in line for line in seen)
     said = [line for line in seen if line.startswith("mesh 1: ")]
     assert len(said) == 1
-    assert f"± {first.worst:.2g} of its field is left of {first.what}, on {first.elements:,} elements" in said[0]
-    assert "± 0.1 would take about " in said[0]
+    assert (
+        f"± of {first.what} is {first.worst:.2g} of its field's largest value on {first.elements:,} elements" in said[0]
+    )
+    assert "± of 0.1 would take about " in said[0]
     assert first.expected > first.elements
     assert others[-1].expected == others[-1].elements
 
@@ -220,14 +222,14 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
     monkeypatch.setattr(refinement, "fits", lambda wanted: False)
     results = solve(asked(0.01))
     assert len(results.refinement) == 1
-    assert "The accuracy of 0.01 that was asked for is not reached: ± 0." in results.accuracy_warning
-    assert "of all: the probe at [1, 1]" in results.accuracy_warning
+    assert "The accuracy of 0.01 that was asked for is not reached: ± of " in results.accuracy_warning
+    assert "of the probe at [1, 1] in all is 0." in results.accuracy_warning
     assert "GB of memory" in results.accuracy_warning
     assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]
 
 
 def test_what_does_not_come_nearer_is_given_up() -> None:
-    steps = [refinement.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
+    steps = [refinement.Refined(100 * n, 1000 * n, 0.5, "mx in all", 10_000) for n in range(1, 5)]
     finer, why = refinement.refined(asked(0.01), {}, steps)
     assert finer is None
     assert "finer meshes do not bring it much nearer" in why

@@ -301,7 +301,7 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
             case _:
                 whose, what = "the plate", f"{one.what} {what}"
         said.setdefault(whose, []).append(what)
-    return "; ".join(f"of {whose} {', '.join(what)}" for whose, what in said.items())
+    return "; ".join(f"{', '.join(what)} of {whose}" for whose, what in said.items())
 
 
 def side(mesh: Mesh) -> float:

@@ -187,8 +187,8 @@ class Refined:
 
     def said(self, asked: float) -> str:
         """State the accuracy reached, and the elements and memory that the requested accuracy ``asked`` would need."""
-        result = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
-        return result if self.worst <= asked else f"{result}. ± {asked:g} would take {_cost(self.expected)}"
+        result = f"± of {self.what} is {self.worst:.2g} of its field's largest value on {self.elements:,} elements"
+        return result if self.worst <= asked else f"{result}. ± of {asked:g} would take {_cost(self.expected)}"
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ class _Wide:
     @property
     def what(self) -> str:
         probes = np.array([probe.at for probe in self.result.probes]).reshape(-1, 2)
-        return f"{self.result.name}: {named([self.number], self.result.model, probes).removeprefix('of ')}"
+        return f"{named([self.number], self.result.model, probes)} in {self.result.name}"
 
     @property
     def place(self) -> tuple[Point, ...]:
