@@ -142,18 +142,21 @@ class Columns:
 
 def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
     """Quadrature over the part of ``shape`` in a region; arguments are as in `area_quadrature`."""
-    if shape is None and not levels:
-        return _over(region, mesh, order)
+    # Loads of several cases have the same footprint, for instance that of a column.
+    return _divided_over(region, mesh, shape, order, levels) if levels else _over(region, mesh, shape, order)
+
+
+@kept
+def _over(region: Rounded, mesh: Mesh, shape: Part | None, order: int) -> Quadrature:
+    return _divided_over(region, mesh, shape, order, ())
+
+
+def _divided_over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
     part = region if shape is None else Common(region, shape)
     x0, y0, x1, y1 = part.bounds
     if x0 < x1 and y0 < y1:
         return area_quadrature(mesh, part, order, levels=levels)
     return Quadrature(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
-
-
-@kept
-def _over(region: Rounded, mesh: Mesh, order: int) -> Quadrature:
-    return area_quadrature(mesh, region, order)
 
 
 def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
