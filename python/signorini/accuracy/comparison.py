@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from signorini.accuracy.half_width import (
+    ROUNDING,
     beside,
     half_widths,
     may_grow,
@@ -214,14 +215,19 @@ def compared(
     (k,) of the results in which they act. Only numbers near a singularity in ``named`` can be without limit.
     """
     values = np.where(np.isinf(values), np.nan, values)
-    own, count = values[meshes.own], values.shape[2]
-    mesh = meshes.every[meshes.own]
-    sizes = sizes_of(own, numbers, model, mesh)
+    count, mesh = values.shape[2], meshes.every[meshes.own]
+    sizes = sizes_of(values[meshes.own], numbers, model, mesh)
+    places = {one.key: row for row, one in enumerate(numbers)}
+    values = _below_zero(values, numbers, places)
+    own = values[meshes.own]
     largest = np.array([sizes[one.quantity.kind] for one in numbers]).reshape(-1, count)
     limited, unresolved = np.ones((len(numbers), count), np.bool_), np.zeros((len(numbers), count), np.bool_)
     for singular, where in named:
         unresolved |= within_an_element(numbers, singular, meshes.every[0])[:, None] & where
         limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
+    # A design moment of zero has a limit.
+    signs = _signs(numbers)
+    limited |= signs * own < 0.0
     changes = beside(numbers, np.abs(values[0] - values[1]))
     layer = unseen_layer(model, mesh, meshes.sizes)
     touched = np.array([one.quantity.kind in TOUCHED for one in numbers], np.bool_)[:, None]
@@ -235,13 +241,14 @@ def compared(
     ]
     growing |= np.array(peaks, np.bool_)[:, None] & unsettled(values, largest)
     widths = np.where(touched, np.maximum(widths, layer * largest), widths)
-    places = {one.key: row for row, one in enumerate(numbers)}
     on_finest = {key: values[0, row] for key, row in places.items()}
     finer = meshes.sizes[0] / meshes.sizes[meshes.own]
     for key, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
     _widen_absent(widths, numbers, places, own)
+    # Of a design moment of zero the part that exceeds zero counts.
+    widths = np.where(signs * own < 0.0, np.maximum(widths + signs * own, ROUNDING * largest), widths)
     return rounded(np.where(growing | unresolved, np.nan, widths)), growing
 
 
@@ -321,23 +328,43 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
     return np.asarray(ordered.argmax(axis=0))
 
 
-def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero.
+def _signs(numbers: Sequence[Number]) -> Floats:
+    """Signs (n, 1) of design moments at probes; 0 for other numbers."""
+    return np.array([DESIGN_MOMENTS.get(one.quantity.name, 0.0) * (one.home == "probe") for one in numbers])[:, None]
 
-    The half-width of the reinforcement for such a moment is unknown.
+
+def _below_zero(values: Floats, numbers: Sequence[Number], rows: Mapping[Key, int]) -> Floats:
+    """Values (m, n, k) in which design moments at probes go on where they are zero.
+
+    A design moment is max(0, g) at the bottom, with a continuous function g of the moments, or −max(0, g) at the top.
+    A change of g shows on meshes on which the design moment remains zero.
+    """
+    result = values.copy()
+    for row, one in enumerate(numbers):
+        if one.home != "probe" or (sign := DESIGN_MOMENTS.get(one.quantity.name)) is None:
+            continue
+        own, other = ("mx", "my") if one.quantity.name.startswith("mx") else ("my", "mx")
+        places = [rows.get((one.home, one.owner, name)) for name in (own, other, "mxy")]
+        if None in places:
+            continue
+        along, across, twist = (values[:, place] for place in places)
+        along, across, twist = sign * along, sign * across, np.abs(twist)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            g = along + np.where(across + twist < 0.0, twist**2 / np.abs(across), twist)
+        result[:, row] = np.where(values[:, row] == 0.0, sign * g, values[:, row])
+    return result
+
+
+def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
+    """Make the half-width of a reinforcement of zero unknown if the half-width of its design moment exceeds zero.
+
+    The reinforcement then is at least the minimum, at an unknown depth.
     """
     for row, one in enumerate(numbers):
-        name = REINFORCEMENT.get(one.quantity.name, one.quantity.name)
-        if one.home != "probe" or name not in DESIGN_MOMENTS:
-            continue
-        direct, twist = (rows.get((one.home, one.owner, name)) for name in one.quantity.parents)
-        if direct is None or twist is None:
-            continue
-        sign = DESIGN_MOMENTS[name]
-        reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
-        if name != one.quantity.name:
-            reach = np.where(reach > 0.0, np.nan, 0.0)  # at least the minimum reinforcement, at an unknown depth
-        widths[row] = np.where(values[row] == 0.0, np.maximum(widths[row], reach), widths[row])
+        moment = rows.get((one.home, one.owner, REINFORCEMENT.get(one.quantity.name, "")))
+        if one.home == "probe" and moment is not None:
+            exceeds = widths[moment] + DESIGN_MOMENTS[numbers[moment].quantity.name] * values[moment] > 0.0
+            widths[row] = np.where((values[row] == 0.0) & exceeds, np.nan, widths[row])
 
 
 def known(width: float) -> float | None:
