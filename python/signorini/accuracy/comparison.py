@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, Key, Number, Path, place_of
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, Number, Path, place_of
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -217,8 +218,7 @@ def compared(
     values = np.where(np.isinf(values), np.nan, values)
     count, mesh = values.shape[2], meshes.every[meshes.own]
     sizes = sizes_of(values[meshes.own], numbers, model, mesh)
-    places = {one.key: row for row, one in enumerate(numbers)}
-    values = _below_zero(values, numbers, places)
+    values = _below_zero(values, numbers)
     own = values[meshes.own]
     largest = np.array([sizes[one.quantity.kind] for one in numbers]).reshape(-1, count)
     limited, unresolved = np.ones((len(numbers), count), np.bool_), np.zeros((len(numbers), count), np.bool_)
@@ -241,12 +241,13 @@ def compared(
     ]
     growing |= np.array(peaks, np.bool_)[:, None] & unsettled(values, largest)
     widths = np.where(touched, np.maximum(widths, layer * largest), widths)
+    places = {one.key: row for row, one in enumerate(numbers)}
     on_finest = {key: values[0, row] for key, row in places.items()}
     finer = meshes.sizes[0] / meshes.sizes[meshes.own]
     for key, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
-    _widen_absent(widths, numbers, places, own)
+    _widen_absent(widths, numbers, own)
     # Of a design moment of zero the part that exceeds zero counts.
     widths = np.where(signs * own < 0.0, np.maximum(widths + signs * own, ROUNDING * largest), widths)
     return rounded(np.where(growing | unresolved, np.nan, widths)), growing
@@ -328,42 +329,62 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
     return np.asarray(ordered.argmax(axis=0))
 
 
+_AT_STATIONS: Mapping[str, float] = MappingProxyType({"moment_bottom": 1.0, "moment_top": -1.0})
+"""Sign of each design moment at a station of a strip."""
+_SIGNS = {"probe": DESIGN_MOMENTS, "station": _AT_STATIONS}
+_AREAS = {"probe": REINFORCEMENT, "station": {name.replace("moment", "as"): name for name in _AT_STATIONS}}
+"""Sign of each design moment, and design moment of each area of reinforcement, by home."""
+_Place = tuple[str, int, int, str]
+
+
 def _signs(numbers: Sequence[Number]) -> Floats:
-    """Signs (n, 1) of design moments at probes; 0 for other numbers."""
-    return np.array([DESIGN_MOMENTS.get(one.quantity.name, 0.0) * (one.home == "probe") for one in numbers])[:, None]
+    """Signs (n, 1) of design moments at probes and stations; 0 for other numbers."""
+    return np.array([_SIGNS.get(one.home, {}).get(one.quantity.name, 0.0) for one in numbers]).reshape(-1, 1)
 
 
-def _below_zero(values: Floats, numbers: Sequence[Number], rows: Mapping[Key, int]) -> Floats:
-    """Values (m, n, k) in which design moments at probes go on where they are zero.
+def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
+    """Rows of the numbers at probes and stations, by home, owner, part and name."""
+    local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
+    return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
+
+
+def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
+    """Values (m, n, k) in which design moments at probes and stations go on where they are zero.
 
     A design moment is max(0, g) at the bottom, with a continuous function g of the moments, or −max(0, g) at the top.
     A change of g shows on meshes on which the design moment remains zero.
     """
-    result = values.copy()
-    for row, one in enumerate(numbers):
-        if one.home != "probe" or (sign := DESIGN_MOMENTS.get(one.quantity.name)) is None:
+    result, rows = values.copy(), _places(numbers)
+    for (home, owner, part, name), row in rows.items():
+        if (sign := _SIGNS[home].get(name)) is None:
             continue
-        own, other = ("mx", "my") if one.quantity.name.startswith("mx") else ("my", "mx")
-        places = [rows.get((one.home, one.owner, name)) for name in (own, other, "mxy")]
-        if None in places:
+        own, twisting = ("moment", "twist") if home == "station" else (name[:2], "mxy")
+        along, across, twist = (
+            rows.get((home, owner, part, of)) for of in (own, {"mx": "my", "my": "mx"}.get(own, own), twisting)
+        )
+        if along is None or across is None or twist is None:
             continue
-        along, across, twist = (values[:, place] for place in places)
-        along, across, twist = sign * along, sign * across, np.abs(twist)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            g = along + np.where(across + twist < 0.0, twist**2 / np.abs(across), twist)
+        g = sign * values[:, along] + (size := np.abs(values[:, twist]))
+        if across != along:  # bars in the other direction may suffice
+            other = np.abs(values[:, across])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                alone = sign * values[:, along] + size**2 / other
+            g = np.where(sign * values[:, across] + size < 0.0, alone, g)
         result[:, row] = np.where(values[:, row] == 0.0, sign * g, values[:, row])
     return result
 
 
-def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
+def _widen_absent(widths: Floats, numbers: Sequence[Number], values: Floats) -> None:
     """Make the half-width of a reinforcement of zero unknown if the half-width of its design moment exceeds zero.
 
     The reinforcement then is at least the minimum, at an unknown depth.
     """
-    for row, one in enumerate(numbers):
-        moment = rows.get((one.home, one.owner, REINFORCEMENT.get(one.quantity.name, "")))
-        if one.home == "probe" and moment is not None:
-            exceeds = widths[moment] + DESIGN_MOMENTS[numbers[moment].quantity.name] * values[moment] > 0.0
+    rows = _places(numbers)
+    for (home, owner, part, name), row in rows.items():
+        moment = rows.get((home, owner, part, _AREAS[home].get(name, "")))
+        if moment is not None:
+            sign = _SIGNS[home][numbers[moment].quantity.name]
+            exceeds = widths[moment] + sign * values[moment] > 0.0
             widths[row] = np.where((values[row] == 0.0) & exceeds, np.nan, widths[row])
 
 
