@@ -295,13 +295,33 @@ def test_what_nobody_reads_changes_no_exit_code(slab: Path, combination: str, co
     assert done.returncode == code and "Errno" not in done.stderr and "Traceback" not in done.stderr
 
 
+ANSWERS = [
+    ["--version"],
+    ["--help"],
+    ["solve", "--help"],
+    ["schema"],
+    ["explain", "support.gap"],
+    ["explain", "gap", "--json"],
+]
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
-def test_a_schema_that_goes_nowhere_is_an_error() -> None:
+@pytest.mark.parametrize("arguments", ANSWERS, ids=" ".join)
+def test_an_answer_that_is_in_no_file_and_goes_nowhere_is_an_error(arguments: list[str]) -> None:
+    command = [sys.executable, "-m", "signorini", *arguments]
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "signorini", "schema"]
-        schema = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
-    assert schema.returncode == 1
-    assert "standard output: No space left on device" in schema.stderr
+        lost = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    closed = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *command], stderr=subprocess.PIPE, text=True)
+    for done, why in ((lost, "No space left on device"), (closed, "Bad file descriptor")):
+        assert done.returncode == 1
+        assert done.stderr == f"Error: the text cannot be written to standard output: {why}.\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("arguments", [[], ["nonsense"], ["solve"], ["explain", "nonsense"]], ids=" ".join)
+def test_the_exit_code_tells_an_error_whose_message_is_lost(arguments: list[str]) -> None:
+    with open("/dev/full", "w") as full:
+        assert subprocess.run([sys.executable, "-m", "signorini", *arguments], stderr=full).returncode == 2
 
 
 def test_a_terminal_without_the_symbols_gets_plain_ones(slab: Path) -> None:

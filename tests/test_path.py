@@ -180,6 +180,18 @@ def test_an_interrupted_command_writes_what_it_has(slab: Path, monkeypatch) -> N
     assert json.loads((slab.with_name("slab-path") / "path.json").read_text())["interrupted"] is True
 
 
+def test_a_path_without_equilibrium_says_that_the_files_are_of_an_earlier_run(slab: Path) -> None:
+    command = ["path", slab, "--from", "G", "--add", "Q", "--no-error"]
+    assert run(*command).exit_code == 0
+    directory = slab.with_name(f"{slab.stem}-path")
+    earlier = (directory / "path.json").read_bytes()
+    slab.write_text(SLAB.replace("pressure = ", "pressure = -"))
+    done = run(*command)
+    assert done.exit_code == 3
+    assert done.stderr.startswith(f"No files are written; {directory} has the results of an earlier run.\n")
+    assert (directory / "path.json").read_bytes() == earlier
+
+
 def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "service", "Q", until=2)
     assert (found.ending, found.end) == ("until", 2.0)

@@ -339,6 +339,22 @@ def test_the_command_writes_the_file_with_the_input(tmp_path: Path) -> None:
     assert Parsed(written).results["input"]["file"] == "slab.toml"
 
 
+@pytest.mark.parametrize("taken", ["slab.html", "slab.xlsx"])
+def test_a_report_that_cannot_be_written_is_refused_before_the_plate_is_solved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, taken: str
+) -> None:
+    from typer.testing import CliRunner
+
+    monkeypatch.setattr("signorini.analysis.solve.solve_all", None)
+    file = tmp_path / "slab.toml"
+    file.write_text(slab().to_toml(), "utf-8")
+    (tmp_path / taken).mkdir()
+    ended = CliRunner().invoke(app, ["report", str(file), "--xlsx"])
+    assert ended.exit_code == 2
+    assert f"{taken} cannot be written: this name is taken" in ended.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"slab.toml", taken}
+
+
 def test_the_command_prints_checks_failed_ones_first_and_writes_a_spreadsheet(tmp_path: Path) -> None:
     from typer.testing import CliRunner
 

@@ -166,6 +166,21 @@ def test_rows_are_those_of_variants_solved_without_reuse(
         assert variant.solved(plan.variant(number)) == row and row["status"] == "solved"
 
 
+def test_a_study_that_cannot_be_written_is_refused_before_its_variants_are_solved(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("signorini.studies.study.run", None)
+    taken, other = place / "taken", place / "other"
+    taken.touch()
+    other.mkdir()
+    (other / "study.json").write_text("{}")
+    for directory, why in ((taken, "Not a directory"), (other, "study.json exists")):
+        done = CliRunner().invoke(app, ["study", str(place / "study.toml"), "-o", str(directory)])
+        assert done.exit_code == 2
+        assert f"{directory}: the results cannot be written there: {why}" in done.stderr
+    assert (other / "study.json").read_text() == "{}"
+
+
 def test_a_variant_without_answer_is_a_row_with_its_reason(place: Path) -> None:
     found = study(
         place / "raft.toml", {"load[2].at": [[3.5, 1.5], [5.0, 1.5]], "plate.thickness": [0.4, -1]}, ["soil.reaction"]

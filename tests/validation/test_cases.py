@@ -1,5 +1,7 @@
 """Every validation case holds; the command writes its page, and its input file is the model that was solved."""
 
+import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -8,9 +10,9 @@ import pytest
 from command import run
 
 import signorini
-from signorini.validation import cases
+from signorini.validation import Number, cases
 from signorini.validation.pages import rows_of, summary
-from signorini.validation.runner import Outcome, model_of, solve_on, values_of
+from signorini.validation.runner import Outcome, Solved, model_of, solve_on, values_of
 
 
 @cache
@@ -82,6 +84,35 @@ def test_a_directory_that_cannot_be_written_is_refused_before_the_cases_are_solv
     taken.touch()
     done = run("validate", "--case", "lcp-three", "-o", taken)
     assert done.exit_code == 2 and str(taken) in done.stderr
+
+
+def test_pages_replace_those_of_an_earlier_validation_and_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "notes.md").write_text("[mine](lcp-two.md)")
+    for name in ("lcp-three", "square-hard-10", "lcp-three"):
+        assert run("validate", "--case", name, "-o", tmp_path).exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"coverage.md", "index.md", "lcp-three.md", "notes.md"}
+    monkeypatch.setattr("signorini.validation.outcomes", None)
+    for taken in ("index.md", "coverage.md", "square-hard-10.toml"):
+        (other := tmp_path / taken[:2]).mkdir()
+        (other / taken).write_text("mine")
+        done = run("validate", "--case", "square-hard-10", "-o", other)
+        assert done.exit_code == 2 and f"{taken} exists" in done.stderr
+        assert [path.name for path in other.iterdir()] == [taken]
+        assert (other / taken).read_text() == "mine"
+
+
+@pytest.mark.parametrize("differs", ["", "a misprint"])
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_number_that_is_none_neither_agrees_nor_differs_as_stated(value: float, differs: str) -> None:
+    case = next(iter(cases().values()))
+    number = Number("n", "n", reference=1.0, tolerance=0.1, differs=differs)
+    solved = tuple(Solved(n, n, (one,), (0.1,), 0.0) for n, one in ((1, 2.0), (2, value)))
+    found = Outcome(replace(case, numbers=(number,)), solved)
+    (comparison,) = found.comparisons
+    assert not found.holds and comparison.rate is None
+    assert not any(comparison.covered)
 
 
 def test_an_unknown_case_is_refused_with_the_similar_names() -> None:

@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from signorini.accuracy.half_width import (
+    ROUNDING,
     beside,
     half_widths,
     may_grow,
@@ -33,7 +35,7 @@ from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, Key, Number, Path, place_of
+from signorini.results.quantities import DESIGN_MOMENTS, REINFORCEMENT, Number, Path, place_of
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -214,14 +216,18 @@ def compared(
     (k,) of the results in which they act. Only numbers near a singularity in ``named`` can be without limit.
     """
     values = np.where(np.isinf(values), np.nan, values)
-    own, count = values[meshes.own], values.shape[2]
-    mesh = meshes.every[meshes.own]
-    sizes = sizes_of(own, numbers, model, mesh)
+    count, mesh = values.shape[2], meshes.every[meshes.own]
+    sizes = sizes_of(values[meshes.own], numbers, model, mesh)
+    values = _below_zero(values, numbers)
+    own = values[meshes.own]
     largest = np.array([sizes[one.quantity.kind] for one in numbers]).reshape(-1, count)
     limited, unresolved = np.ones((len(numbers), count), np.bool_), np.zeros((len(numbers), count), np.bool_)
     for singular, where in named:
         unresolved |= within_an_element(numbers, singular, meshes.every[0])[:, None] & where
         limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
+    # A design moment of zero has a limit.
+    signs = _signs(numbers)
+    limited |= signs * own < 0.0
     changes = beside(numbers, np.abs(values[0] - values[1]))
     layer = unseen_layer(model, mesh, meshes.sizes)
     touched = np.array([one.quantity.kind in TOUCHED for one in numbers], np.bool_)[:, None]
@@ -241,7 +247,9 @@ def compared(
     for key, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
-    _widen_absent(widths, numbers, places, own)
+    _widen_absent(widths, numbers, own)
+    # Of a design moment of zero the part that exceeds zero counts.
+    widths = np.where(signs * own < 0.0, np.maximum(widths + signs * own, ROUNDING * largest), widths)
     return rounded(np.where(growing | unresolved, np.nan, widths)), growing
 
 
@@ -321,23 +329,63 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
     return np.asarray(ordered.argmax(axis=0))
 
 
-def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen the half-widths of design moments that are 0 at a probe on every mesh, but may exceed zero.
+_AT_STATIONS: Mapping[str, float] = MappingProxyType({"moment_bottom": 1.0, "moment_top": -1.0})
+"""Sign of each design moment at a station of a strip."""
+_SIGNS = {"probe": DESIGN_MOMENTS, "station": _AT_STATIONS}
+_AREAS = {"probe": REINFORCEMENT, "station": {name.replace("moment", "as"): name for name in _AT_STATIONS}}
+"""Sign of each design moment, and design moment of each area of reinforcement, by home."""
+_Place = tuple[str, int, int, str]
 
-    The half-width of the reinforcement for such a moment is unknown.
+
+def _signs(numbers: Sequence[Number]) -> Floats:
+    """Signs (n, 1) of design moments at probes and stations; 0 for other numbers."""
+    return np.array([_SIGNS.get(one.home, {}).get(one.quantity.name, 0.0) for one in numbers]).reshape(-1, 1)
+
+
+def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
+    """Rows of the numbers at probes and stations, by home, owner, part and name."""
+    local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
+    return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
+
+
+def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
+    """Values (m, n, k) in which design moments at probes and stations go on where they are zero.
+
+    A design moment is max(0, g) at the bottom, with a continuous function g of the moments, or −max(0, g) at the top.
+    A change of g shows on meshes on which the design moment remains zero.
     """
-    for row, one in enumerate(numbers):
-        name = REINFORCEMENT.get(one.quantity.name, one.quantity.name)
-        if one.home != "probe" or name not in DESIGN_MOMENTS:
+    result, rows = values.copy(), _places(numbers)
+    for (home, owner, part, name), row in rows.items():
+        if (sign := _SIGNS[home].get(name)) is None:
             continue
-        direct, twist = (rows.get((one.home, one.owner, name)) for name in one.quantity.parents)
-        if direct is None or twist is None:
+        own, twisting = ("moment", "twist") if home == "station" else (name[:2], "mxy")
+        along, across, twist = (
+            rows.get((home, owner, part, of)) for of in (own, {"mx": "my", "my": "mx"}.get(own, own), twisting)
+        )
+        if along is None or across is None or twist is None:
             continue
-        sign = DESIGN_MOMENTS[name]
-        reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
-        if name != one.quantity.name:
-            reach = np.where(reach > 0.0, np.nan, 0.0)  # at least the minimum reinforcement, at an unknown depth
-        widths[row] = np.where(values[row] == 0.0, np.maximum(widths[row], reach), widths[row])
+        g = sign * values[:, along] + (size := np.abs(values[:, twist]))
+        if across != along:  # bars in the other direction may suffice
+            other = np.abs(values[:, across])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                alone = sign * values[:, along] + size**2 / other
+            g = np.where(sign * values[:, across] + size < 0.0, alone, g)
+        result[:, row] = np.where(values[:, row] == 0.0, sign * g, values[:, row])
+    return result
+
+
+def _widen_absent(widths: Floats, numbers: Sequence[Number], values: Floats) -> None:
+    """Make the half-width of a reinforcement of zero unknown if the half-width of its design moment exceeds zero.
+
+    The reinforcement then is at least the minimum, at an unknown depth.
+    """
+    rows = _places(numbers)
+    for (home, owner, part, name), row in rows.items():
+        moment = rows.get((home, owner, part, _AREAS[home].get(name, "")))
+        if moment is not None:
+            sign = _SIGNS[home][numbers[moment].quantity.name]
+            exceeds = widths[moment] + sign * values[moment] > 0.0
+            widths[row] = np.where((values[row] == 0.0) & exceeds, np.nan, widths[row])
 
 
 def known(width: float) -> float | None:

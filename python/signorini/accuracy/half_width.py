@@ -30,7 +30,7 @@ ratio is at least 0.9 at points and corners, and at most 0.7 for numbers that co
 _COUNTS = 0.02
 """Smallest change, relative to the largest value of the field, at which a number can count as growing without limit."""
 
-_ROUNDING = 1e-10
+ROUNDING = 1e-10
 """Rounding error of a number, relative to the largest number of its kind."""
 
 
@@ -69,7 +69,7 @@ def half_widths(
         )
         growing &= ~limited & (change > _COUNTS * largest) & (values[0] * values[2] > 0)
     widths = np.abs(values[own] - values[0]) + _SAFETY * last / (sizes[1] / sizes[0] - 1.0)
-    widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, _ROUNDING * largest))
+    widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, ROUNDING * largest))
     return np.where(growing, np.nan, widths), growing
 
 

@@ -30,13 +30,26 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Other programs see the old file or the new file, both complete. If the body raises, ``path`` is unchanged and no
     temporary file remains. If ``path`` is a link, the file to which it points is replaced. The directory must exist.
     """
+    with _beside(path) as (hidden, target):
+        yield hidden / target.name
+        (hidden / target.name).replace(target)
+
+
+def require_replaceable(path: str | os.PathLike[str]) -> None:
+    """Raise the OSError that `replacing` would raise, before the content of a file is computed."""
+    with _beside(path):
+        pass
+
+
+@contextmanager
+def _beside(path: str | os.PathLike[str]) -> Iterator[tuple[Path, Path]]:
+    """Context with a temporary directory beside the file to which a path leads, and with the path of this file."""
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
         kind = errno.EISDIR if target.is_dir() else errno.EEXIST
         raise OSError(kind, "this name is taken, and it is not a regular file", str(path))
     with temporary_directory(target.parent, target.name) as hidden:
-        yield hidden / target.name
-        (hidden / target.name).replace(target)
+        yield hidden, target
 
 
 @contextmanager

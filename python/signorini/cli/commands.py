@@ -100,8 +100,15 @@ def main() -> None:
         # Characters that the terminal's encoding lacks are replaced; by default they would raise an error.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+    # The exit code tells an error whose message is lost.
+    sys.stderr = streams.tolerant(sys.stderr)
     try:
         app()
+    except OSError as error:
+        # Text that is in no file: --help, --version, and what schema and explain print.
+        streams.discard(sys.stdout)
+        say(streams.stderr(), f"Error: the text cannot be written to standard output: {error.strerror}.")
+        sys.exit(SignoriniError.exit_code)
     finally:
         streams.flush()
 
@@ -113,7 +120,7 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 def _version(requested: bool) -> None:
     if requested:
-        streams.stdout().print(f"signorini {signorini.__version__}")
+        streams.answer().print(f"signorini {signorini.__version__}")
         raise typer.Exit
 
 
@@ -170,18 +177,17 @@ def solve(
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
-        try:
-            with _room(room_for(directory, model), ranks) as temporary, progress_line() as show:
-                table = temporary / TABLE if temporary and model.tabulated else None
-                with interrupts.exit_on_signal(temporary):
-                    results, estimates = _solved(model, show, table, sensitivity or (), ranks)
-                show("writing the results")
-                draw = artist.drawn if artist else None
-                write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
-        except SignoriniError:
-            if former_results(directory):
-                streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
-            raise
+        with (
+            _left(directory, former_results),
+            _room(room_for(directory, model), ranks) as temporary,
+            progress_line() as show,
+        ):
+            table = temporary / TABLE if temporary and model.tabulated else None
+            with interrupts.exit_on_signal(temporary):
+                results, estimates = _solved(model, show, table, sensitivity or (), ranks)
+            show("writing the results")
+            draw = artist.drawn if artist else None
+            write_results(results, directory, estimates, table, pictures, xlsx, draw, ranks)
         print_results(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)
@@ -257,24 +263,25 @@ def path(
         from signorini.analysis.estimate import estimate_asked
         from signorini.cli.events import print_path
         from signorini.output import write_path
-        from signorini.output.directory import room_for_path
+        from signorini.output.directory import former_path, room_for_path
 
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with (
-            room_for_path(directory) as temporary,
-            progress_line() as show,
-            interrupts.exit_on_signal(temporary, interrupts.PATH_GRACE),
-        ):
-            chosen = None if at is None else _numbers(at)
-            result = signorini.path(
-                model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_events(events)
-            )
-            try:
-                estimate = estimate_asked(result, show)
-            except KeyboardInterrupt:
-                result, estimate = replace(result, interrupted=True), None
-        write_path(result, directory, estimate)
+        with _left(directory, former_path):
+            with (
+                room_for_path(directory) as temporary,
+                progress_line() as show,
+                interrupts.exit_on_signal(temporary, interrupts.PATH_GRACE),
+            ):
+                chosen = None if at is None else _numbers(at)
+                result = signorini.path(
+                    model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_events(events)
+                )
+                try:
+                    estimate = estimate_asked(result, show)
+                except KeyboardInterrupt:
+                    result, estimate = replace(result, interrupted=True), None
+            write_path(result, directory, estimate)
         print_path(streams.stdout(), result, estimate)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         if result.interrupted:
@@ -344,10 +351,11 @@ def validate(
         from signorini.base.arguments import known
         from signorini.cli.validation import print_validation
         from signorini.output.directory import cannot_write, room_for_pages
-        from signorini.validation import cases, outcomes, write_pages
+        from signorini.validation import cases, names_of, outcomes, write_pages
 
         chosen = [known(name, cases(), "case", "case", "The validation") for name in names or cases()]
-        with progress_line() as show, nullcontext() if output is None else room_for_pages(output):
+        files = names_of(cases()[name] for name in chosen)
+        with progress_line() as show, nullcontext() if output is None else room_for_pages(output, files):
             found = {}
             for outcome in outcomes(chosen, drawn=output is not None):
                 found[outcome.case.name] = outcome
@@ -398,10 +406,10 @@ def report(
     """
     with _messages(file):
         from signorini.cli.tables import print_verdicts
-        from signorini.reports.page import write_report
+        from signorini.reports.page import require_report, write_report
 
-        if xlsx:
-            package("xlsxwriter")
+        target = output if output is not None else file.with_suffix(".html")
+        require_report(target, pdf, xlsx)
         if add is None and (start, until) != (None, None):
             raise InputError("a load path needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
@@ -409,7 +417,6 @@ def report(
             results, estimates = _solved(model, show, sensitivity=sensitivity or ())
             followed = None if add is None else signorini.path(model, start, add, until, show)
             show("writing the report")
-            target = output if output is not None else file.with_suffix(".html")
             written = write_report(results, target, estimates, file.read_text("utf-8"), followed, pdf, xlsx)
         print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
@@ -440,15 +447,21 @@ def study(
     directory = output if output is not None else file.with_name(f"{file.stem}-study")
     with _messages(file, f"Interrupted; finished variants are kept in {directory}. Run the same command to go on."):
         from signorini.cli.studies import live_table, print_study
+        from signorini.output.directory import cannot_write, room_for_study
         from signorini.studies.cluster import solvers
         from signorini.studies.study import run
         from signorini.studies.studyfile import load_study
         from signorini.studies.writing import write_study
 
         plan, part = load_study(file), None if shard is None else _part(shard)
-        with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
-            result = run(plan, solver, directory, part, show)
-        written = write_study(result, directory, plan)
+        with room_for_study(directory, plan.results):
+            pass
+        try:
+            with live_table(plan.results) as show, solvers(workers, scheduler) as solver:
+                result = run(plan, solver, directory, part, show)
+            written = write_study(result, directory, plan)
+        except OSError as error:
+            raise cannot_write(directory, error) from None
         print_study(streams.stdout(), result)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
 
@@ -487,6 +500,17 @@ def _solved(
     results = engine.solve(model, show) if engine else solve_all(model, show, table)
     results = with_sensitivities(results, sensitivity, show)
     return results, estimates_of(results, show, table) if model.estimated else None
+
+
+@contextmanager
+def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[None]:
+    """Context that says, after an error, that the files in a directory are those of an earlier run."""
+    try:
+        yield
+    except SignoriniError:
+        if former(directory):
+            streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
+        raise
 
 
 @contextmanager
@@ -610,9 +634,10 @@ def schema(
     """Print the JSON Schema of the input file, for completion and checks in editors, or that of a file of results."""
     with _messages():
         if along_path:
-            _print_json(signorini.results_schema("path.json"))
+            found = signorini.results_schema("path.json")
         else:
-            _print_json(signorini.results_schema() if results else signorini.schema())
+            found = signorini.results_schema() if results else signorini.schema()
+    _print_json(found)
 
 
 @app.command(
@@ -633,23 +658,15 @@ def explain(
         from signorini.cli.explanations import print_explanations
 
         found = signorini.explain(key)
-        if as_json:
-            _print_json([asdict(one) for one in found])
-        else:
-            print_explanations(streams.stdout(), found)
+    if as_json:
+        _print_json([asdict(one) for one in found])
+    else:
+        print_explanations(streams.answer(), found)
 
 
 def _print_json(value: object) -> None:
-    """Print a value as JSON. An output that is cut off is an error here, because no file has the value."""
-    try:
-        sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False) + "\n")
-        sys.stdout.flush()
-    except BrokenPipeError:
-        streams.discard(sys.stdout)
-        raise typer.Exit(1) from None
-    except OSError as error:
-        streams.discard(sys.stdout)
-        raise SignoriniError(f"the JSON cannot be written to standard output: {error.strerror}.") from None
+    sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False) + "\n")
+    sys.stdout.flush()
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:

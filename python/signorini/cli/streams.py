@@ -1,7 +1,7 @@
 """Standard output and standard error with a tolerance for closed pipes and full disks.
 
 Results are in files; the output is a copy. A closed pipe, as in ``signorini solve f.toml | head``, or a full disk
-does not change the exit code.
+does not change the exit code. Only a command that prints an answer without a file ends with an error.
 """
 
 from __future__ import annotations
@@ -24,13 +24,23 @@ _FILE_WIDTH = 100_000
 
 
 def stdout() -> Console:
-    """Return the console of standard output."""
+    """Return the console of standard output, for text that files or the exit code also tell."""
+    return _console(tolerant(sys.stdout))
+
+
+def answer() -> Console:
+    """Return the console of standard output for text that is in no file; text that is lost raises an OSError."""
     return _console(sys.stdout)
 
 
 def stderr() -> Console:
     """Return the console of standard error."""
-    return _console(sys.stderr)
+    return _console(tolerant(sys.stderr))
+
+
+def tolerant(stream: IO[str]) -> Any:
+    """Return a stream that writes to ``stream``, but discards all further output after an OSError."""
+    return _Tolerant(stream)
 
 
 def open_closed() -> None:
@@ -46,7 +56,7 @@ def open_closed() -> None:
 def flush() -> None:
     """Flush both streams at the end of the process, without raising."""
     for stream in (sys.stdout, sys.stderr):
-        _Tolerant(stream).flush()
+        tolerant(stream).flush()
 
 
 def discard(stream: IO[str]) -> None:
@@ -92,10 +102,9 @@ class _Tolerant:
         return getattr(self._stream, name)
 
 
-def _console(stream: IO[str]) -> Console:
+def _console(stream: Any) -> Console:
     """Return a console that neither interprets nor highlights text, and that does not break lines."""
-    tolerant: Any = _Tolerant(stream)
-    console = Console(file=tolerant, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    console = Console(file=stream, markup=False, highlight=False, emoji=False, soft_wrap=True)
     if not console.is_terminal:
         console.width = _FILE_WIDTH
     return console

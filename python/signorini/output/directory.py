@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,30 @@ from signorini.base.files import locked, require_free, temporary_directory
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.model import Model
-from signorini.output.names import CSV, JSON, OF_ALL, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
+from signorini.output.names import (
+    CSV,
+    INDEX,
+    JSON,
+    OF_ALL,
+    PATH_CSV,
+    PATH_JSON,
+    PATH_PICTURE,
+    STUDY,
+    expected_names,
+    unique_slugs,
+)
 
 _OF_ONE = re.compile(r"[\w.+-]+\.(vtu|pvtu|png)")
 """Names of the files of one combination, and of pictures of envelopes and profiles."""
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
+_KEYS_OF_STUDY = {"program", "input", "study_sha256", "results"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
+_INDEX_SAYS = "`signorini validate` writes these pages"
+"""Text in every index of pages of validation."""
+_LINK = re.compile(r"\]\(([\w.+-]+\.(?:md|toml|png))\)")
+"""Pattern of a link to a file in the same directory."""
 _LARGEST_ACCOUNT = 1_000_000_000
-"""Largest size of a results.json that is read, in bytes."""
+"""Largest size of a file that lists the files of an earlier run, in bytes."""
 
 
 def former_results(directory: Path) -> list[str]:
@@ -43,6 +59,40 @@ def former_path(directory: Path) -> list[str]:
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return []
     return [PATH_JSON, PATH_CSV, PATH_PICTURE]
+
+
+def former_study(directory: Path) -> list[str]:
+    """Names of the summary and the pictures of a study in a directory; empty if another program wrote the summary."""
+    try:
+        results = _account(directory / STUDY, _KEYS_OF_STUDY)["results"]
+        slugs = unique_slugs([result["name"] for result in results])
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return []
+    return [STUDY, *(f"{slug}.png" for slug in slugs)]
+
+
+def former_pages(directory: Path) -> list[str]:
+    """Names of the pages of validation that the index in a directory links, and of the files that these pages link."""
+    try:
+        index = _text(directory / INDEX)
+    except (OSError, ValueError):
+        return []
+    if _INDEX_SAYS not in index:
+        return []
+    pages = _LINK.findall(index)
+    linked = (link for page in pages for link in _links(directory / page))
+    return list(dict.fromkeys([INDEX, *pages, *linked]))
+
+
+def _links(page: Path) -> list[str]:
+    try:
+        return _LINK.findall(_text(page))
+    except (OSError, ValueError):
+        return []
+
+
+def _text(file: Path) -> str:
+    return read_regular(file, _LARGEST_ACCOUNT).decode("utf-8")
 
 
 def _account(file: Path, keys: set[str]) -> dict[str, Any]:
@@ -71,9 +121,17 @@ def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def room_for_pages(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context as `room_for`, for the pages of validation, which replace pages of the same names."""
-    with _room(Path(directory), lambda of: [], ()) as room:
+def room_for_study(directory: str | os.PathLike[str], results: Sequence[str]) -> Iterator[Path]:
+    """Context as `room_for`, for the summary and the pictures of a study of the given results."""
+    names = (STUDY, *(f"{slug}.png" for slug in unique_slugs(results)))
+    with _room(Path(directory), former_study, names) as room:
+        yield room
+
+
+@contextmanager
+def room_for_pages(directory: str | os.PathLike[str], names: Iterable[str]) -> Iterator[Path]:
+    """Context as `room_for`, for the files ``names`` of a validation."""
+    with _room(Path(directory), former_pages, names) as room:
         yield room
 
 

@@ -20,6 +20,8 @@ from signorini.results.support_result import areas_below, lines_below
 JSON, CSV, TABLE, XLSX = "results.json", "reactions.csv", "combinations.parquet", "results.xlsx"
 GOVERNING, CHECKS = "governing.csv", "checks.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
+INDEX, COVERAGE = "index.md", "coverage.md"
+STUDY = "study.json"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
 OF_ALL = frozenset((JSON, CSV, TABLE, XLSX, GOVERNING, CHECKS, PROFILES_CSV, REFINEMENT))

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import datetime
 from importlib import resources
 from itertools import chain
@@ -23,7 +24,7 @@ from signorini.analysis.estimate import Estimates, estimates_of
 from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
-from signorini.base.files import replacing
+from signorini.base.files import replacing, require_replaceable
 from signorini.base.packages import package
 from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
@@ -146,20 +147,44 @@ def write_report(
     xlsx: bool = False,
 ) -> list[Path]:
     """Write a report as `report` does; ``source`` is the text of the input file."""
-    target, browser = Path(path), _browser() if pdf else ""
-    sheets = [target.with_suffix(".xlsx")] if xlsx and package("xlsxwriter") else []
+    written = require_report(path, pdf, xlsx)
+    target, *_ = written
     text = page(results, estimates, source, load_path)
+    with _writing(target), replacing(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    if pdf:
+        _print(target, target.with_suffix(".pdf"))
+    if xlsx:
+        values = results_json(results, estimates)
+        with _writing(file := target.with_suffix(".xlsx")), replacing(file) as temporary:
+            write_xlsx(temporary, sheets_of(values, results), results.model.provenance.metadata)
+    return written
+
+
+def require_report(path: str | os.PathLike[str], pdf: bool = False, xlsx: bool = False) -> list[Path]:
+    """Return the files of a report; refuse files that cannot be written, and a PDF or spreadsheet without its program.
+
+    So the report is refused before its results are computed.
+    """
+    target = Path(path)
+    if pdf:
+        _browser()
+    if xlsx:
+        package("xlsxwriter")
+    files = [target, *(target.with_suffix(suffix) for suffix, asked in ((".pdf", pdf), (".xlsx", xlsx)) if asked)]
+    for file in files:
+        with _writing(file):
+            require_replaceable(file)
+    return files
+
+
+@contextmanager
+def _writing(file: Path) -> Iterator[None]:
+    """Context that refuses a file that cannot be written."""
     try:
-        with replacing(target) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-        for file in sheets:
-            with replacing(file) as temporary:
-                write_xlsx(
-                    temporary, sheets_of(results_json(results, estimates), results), results.model.provenance.metadata
-                )
+        yield
     except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}.", place="output") from None
-    return [target, *([_printed(target, browser)] if pdf else []), *sheets]
+        raise InputError(f"{file} cannot be written: {error.strerror or error}.", place="output") from None
 
 
 def page(results: Results, estimates: Estimates | None, source: str, load_path: LoadPath | None = None) -> str:
@@ -248,9 +273,9 @@ def _browser() -> str:
     return found
 
 
-def _printed(page: Path, browser: str) -> Path:
-    """Print a page to a PDF file beside it."""
-    target = page.with_suffix(".pdf")
+def _print(page: Path, target: Path) -> None:
+    """Print a page to a PDF file."""
+    browser = _browser()
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "report.pdf"
         options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile"]
@@ -267,6 +292,5 @@ def _printed(page: Path, browser: str) -> Path:
         if not made.exists():
             said = ended.stderr.decode(errors="replace").strip().splitlines()
             raise SignoriniError(f"{browser} did not print {page}: {said[-1] if said else 'no message'}.")
-        with replacing(target) as temporary:
+        with _writing(target), replacing(target) as temporary:
             shutil.copyfile(made, temporary)
-    return target

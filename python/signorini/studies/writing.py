@@ -9,42 +9,44 @@ from typing import Any
 
 import numpy as np
 
-from signorini.base.files import replacing
-from signorini.output.names import unique_slugs
+from signorini.base.files import replacing_together
+from signorini.output.directory import former_study
+from signorini.output.names import STUDY, unique_slugs
 from signorini.studies.store import TABLE
 from signorini.studies.study import Plan
 from signorini.studies.summary import Study
 
-SUMMARY = "study.json"
-
 
 def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
-    """Write study.json and a picture of each result; return the paths of all files of the study."""
+    """Write study.json and a picture of each result; return the paths of all files of the study.
+
+    They replace those of an earlier study in the directory; files of other programs stay.
+    """
     from signorini.plot.files import save
     from signorini.plot.studies import study_picture
 
     written = [directory / TABLE] if len(study.rows) == study.count else []
     metadata, units = plan.template.provenance.metadata, plan.units
     summary = {**plan.template.provenance.json({}), "study_sha256": plan.sha256, "results": _summary(study)}
-    with replacing(directory / SUMMARY) as temporary:
-        temporary.write_text(json.dumps(summary, indent=1, ensure_ascii=False), "utf-8")
-    written.append(directory / SUMMARY)
-    for name, slug in zip(study.results, unique_slugs(study.results), strict=True):
-        used = study.solved & np.isfinite(study[name])
-        if used.any():
-            rows = [row for row, use in zip(study.rows, used, strict=True) if use]
-            columns = {each: [row[each] for row in rows] for each in study.parameters}
-            figure = study_picture(
-                name,
-                study[name][used],
-                {each: _positions(values) for each, values in columns.items()},
-                study.quantiles(name),
-                study.sensitivities(name),
-                units,
-                1.0 if name.endswith(".utilisation") else None,
-            )
-            save(figure, directory / f"{slug}.png", metadata)
-            written.append(directory / f"{slug}.png")
+    with replacing_together(directory, former_study, seal=STUDY) as beside:
+        (beside / STUDY).write_text(json.dumps(summary, indent=1, ensure_ascii=False), "utf-8")
+        written.append(directory / STUDY)
+        for name, slug in zip(study.results, unique_slugs(study.results), strict=True):
+            used = study.solved & np.isfinite(study[name])
+            if used.any():
+                rows = [row for row, use in zip(study.rows, used, strict=True) if use]
+                columns = {each: [row[each] for row in rows] for each in study.parameters}
+                figure = study_picture(
+                    name,
+                    study[name][used],
+                    {each: _positions(values) for each, values in columns.items()},
+                    study.quantiles(name),
+                    study.sensitivities(name),
+                    units,
+                    1.0 if name.endswith(".utilisation") else None,
+                )
+                save(figure, beside / f"{slug}.png", metadata)
+                written.append(directory / f"{slug}.png")
     return written
 
 

@@ -2,7 +2,7 @@
 
 from signorini.validation.case import Case, Number
 from signorini.validation.catalogue import cases
-from signorini.validation.pages import write_pages
+from signorini.validation.pages import names_of, write_pages
 from signorini.validation.runner import Outcome, outcomes
 
-__all__ = ["Case", "Number", "Outcome", "cases", "outcomes", "write_pages"]
+__all__ = ["Case", "Number", "Outcome", "cases", "names_of", "outcomes", "write_pages"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -49,8 +50,8 @@ class Number:
     differs: str = ""
 
     def error(self, value: float) -> float:
-        """Relative error of a value."""
-        return abs(value - self.reference) / self.magnitude
+        """Relative error of a value; infinite for NaN, which neither agrees with a reference nor differs as stated."""
+        return math.inf if math.isnan(value) else abs(value - self.reference) / self.magnitude
 
     @property
     def magnitude(self) -> float:

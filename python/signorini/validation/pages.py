@@ -13,8 +13,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from signorini import _core
-from signorini.base.files import replacing
+from signorini.base.files import replacing_together
 from signorini.base.numbers import estimated, number
+from signorini.output.directory import former_pages
+from signorini.output.names import COVERAGE, INDEX
 from signorini.validation.case import Case, Number
 from signorini.validation.runner import EXACT, Comparison, Outcome, model_of
 
@@ -54,9 +56,25 @@ def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
                 yield Row(outcome.case, one.number, mesh.elements, error, relative, own, covered)
 
 
+def names_of(cases: Iterable[Case]) -> Iterator[str]:
+    """Yield the names of the files that `write_pages` writes for cases, except pictures."""
+    yield from (INDEX, COVERAGE)
+    for case in cases:
+        yield f"{case.name}.md"
+        if not case.direct:
+            yield f"{case.name}.toml"
+
+
 def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
-    """Write page, input file and pictures of each case into a directory, the index, and the comparison of ±."""
-    directory.mkdir(parents=True, exist_ok=True)
+    """Write page, input file and pictures of each case into a directory, the index, and the comparison of ±.
+
+    All files are written, or none. They replace those of an earlier validation; files of other programs stay.
+    """
+    with replacing_together(directory, former_pages, seal=INDEX) as beside:
+        _write_pages(outcomes, beside)
+
+
+def _write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
     templates = _templates()
     for outcome in outcomes:
         case = outcome.case
@@ -71,8 +89,7 @@ def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
         if not case.direct:
             _write(directory / f"{case.name}.toml", model_of(case, case.meshes[-1]).to_toml())
         for drawing in chain.from_iterable(outcome.drawings):
-            with replacing(directory / f"{case.name}{drawing.ending}.png") as temporary:
-                temporary.write_bytes(drawing.png)
+            (directory / f"{case.name}{drawing.ending}.png").write_bytes(drawing.png)
     features: dict[str, list[Case]] = {}
     for outcome in outcomes:
         for feature in outcome.case.features:
@@ -87,10 +104,10 @@ def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
         "counts": counts,
         "version": _core.__version__,
     }
-    _write(directory / "index.md", templates.get_template("index.md.jinja").render(index))
+    _write(directory / INDEX, templates.get_template("index.md.jinja").render(index))
     rows = list(rows_of(outcomes))
     coverage = templates.get_template("coverage.md.jinja").render(rows=rows, summary=summary(rows))
-    _write(directory / "coverage.md", coverage)
+    _write(directory / COVERAGE, coverage)
 
 
 def summary(rows: Sequence[Row]) -> dict[str, float]:
@@ -115,7 +132,7 @@ def _conclusion(outcome: Outcome) -> str:
     for one in every:
         name = one.number.label
         if one.number.differs:
-            stated = "as stated" if one.holds else "but the case states a difference, which is not found"
+            stated = "as stated" if one.holds else "but the case states another difference"
             parts.append(f"{name}: {one.errors[-1]:.2g} from the printed value, {stated}. {one.number.differs}")
         elif not one.within:
             parts.append(f"{name} misses its tolerance.")
@@ -123,8 +140,7 @@ def _conclusion(outcome: Outcome) -> str:
 
 
 def _write(path: Path, text: str) -> None:
-    with replacing(path) as temporary:
-        temporary.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    path.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
 
 
 def _templates() -> Environment:
@@ -151,6 +167,6 @@ def _with_width(value: float, width: float | None, size: float) -> str:
 
 
 def _verdict(one: Comparison) -> str:
-    if one.number.differs:
-        return "differs, as stated" if one.holds else "**agrees, against the statement**"
-    return "agrees" if one.within else "**misses**"
+    if one.holds:
+        return "differs, as stated" if one.number.differs else "agrees"
+    return "**agrees, against the statement**" if one.within else "**misses**"

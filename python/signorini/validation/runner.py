@@ -73,14 +73,16 @@ class Comparison:
 
     @property
     def holds(self) -> bool:
-        """Whether the verdict of the case holds: within the tolerance, or different as the case states."""
-        return self.within != bool(self.number.differs)
+        """Whether the verdict of the case holds: within the tolerance, or different as the case states; not for NaN."""
+        return self.within != bool(self.number.differs) and math.isfinite(self.errors[-1])
 
     @property
     def rate(self) -> float | None:
         """Slope of log error over log element size, through the meshes whose error exceeds the reference's own."""
         least = max(EXACT, self.number.uncertainty / self.number.magnitude)
-        shown = [(mesh.n, error) for mesh, error in zip(self.meshes, self.errors, strict=True) if error > least]
+        shown = [
+            (mesh.n, error) for mesh, error in zip(self.meshes, self.errors, strict=True) if least < error < math.inf
+        ]
         if len(shown) < 2 or self.number.differs:
             return None
         sizes, errors = np.log(np.array(shown)).T
