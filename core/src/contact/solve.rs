@@ -111,7 +111,7 @@ impl ContactProblem {
         }
     }
 
-    /// The first LCP that [`ContactProblem::solve`] poses for condensed points: its template with M, and its q (k,).
+    /// The first LCP w = Mz + q of [`ContactProblem::solve`] for condensed points: the template with M, and q (k,).
     pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<(&LcpTemplate, Vec<f64>), SolveError> {
         load.require_lengths(self)?;
         let interface = self.condensed()?;

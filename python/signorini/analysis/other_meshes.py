@@ -1,4 +1,4 @@
-"""Solve the plate on other meshes, with one factorization for each mesh, and compute half-widths of a table."""
+"""Solve the plate on other meshes, and compute the half-width of each number of a table. Each mesh is factored once."""
 
 from __future__ import annotations
 
@@ -261,7 +261,7 @@ class _Rows:
         if not checks:
             return {}
         columns, unknown = [one.column for one in catalogue], np.full(len(next(iter(widths.values()))), np.nan)
-        # Counts are no columns of blocks of a file.
+        # A block of a Parquet file has columns of floating-point numbers only; counts are NaN.
         values = np.array([np.asarray(shown.get(column, unknown), np.float64) for column in columns]).T
         known = np.array([widths.get(column, unknown) for column in columns]).T
         result = widened(catalogue, values, known, self.discretisation.model.has_limits)

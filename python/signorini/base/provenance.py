@@ -126,7 +126,7 @@ def _sha256(text: str) -> str:
 
 
 def _plain(value: object) -> object:
-    """Convert a path or a function, for which JSON has no value."""
+    """Return the JSON value of a path, its text, or of a function, its name; `json.dumps` calls it as ``default``."""
     if isinstance(value, Path):
         return str(value)
     return {FUNCTION: getattr(value, "__qualname__", type(value).__name__)}

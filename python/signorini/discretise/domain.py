@@ -53,10 +53,10 @@ RIGID = 1e12
 _ROUNDING = 1e-9
 """Relative tolerance of all limits of the domain, since coordinates and formulas are rounded."""
 _ALONG = 0.02
-"""Largest slope (about 1°) at which the distance between two parallel lines may change along the lines.
+"""Largest slope of one line relative to another, about 1°, at which the lines count as parallel.
 
-Lines that meet or cross at a larger angle share a point. Reactions at such lines are no larger than at parallel lines
-with the least distance.
+Parallel lines need a least distance. Lines at a larger angle may meet or cross: their reactions are no larger than
+those of parallel lines with the least distance.
 """
 _AROUND = 64
 """Number of directions around a point that are tested for plate."""

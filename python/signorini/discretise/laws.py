@@ -169,7 +169,7 @@ class Law:
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Force at each travel that lies on a piece with slope 0; infinite if the piece has another slope.
+        """Constant force of the piece at each travel, if the piece has the slope 0; ∞ on all other pieces.
 
         Examples
         --------

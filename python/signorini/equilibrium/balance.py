@@ -83,7 +83,8 @@ class RigidFreedom:
 def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
-    Raise `InputError` for a mechanism: a motion that moves no support, one-sided ones included.
+    Raise `InputError` for a mechanism: a rigid motion with zero displacement at all held dofs, springs and contact
+    points.
     """
     contacts = discretisation.contacts
     size = discretisation.mesh.size

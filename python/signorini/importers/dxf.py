@@ -206,7 +206,7 @@ def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, .
 
 
 def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
-    """Text with the free ends of open lines; without free ends, with the points where more than two lines meet."""
+    """Part of a message: free ends of open lines or, if there are none, points where more than two lines meet."""
     ends = sorted(end for line in group for end in (line[0], line[-1]))
     meet = {end[:2]: sum(end.is_at(other) for other in ends) for end in ends}
     alone = [at for at, count in meet.items() if count == 1]

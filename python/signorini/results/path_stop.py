@@ -104,7 +104,10 @@ class PathStop(Brief):
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """Copy of the stop in which support number ``index``, of ``count`` points, has the closed part ``part``."""
+        """Copy of the stop with the closed part ``part`` (0 to 1) of support number ``index`` of ``count`` points.
+
+        The lifted part and the numbers of closed and open points follow from it.
+        """
         values, closed = self.values.copy(), round(part * count)
         places = self.catalogue.at("support", "closed_part", "lifted_part", "closed", "open")[index]
         values[places] = part, 1.0 - part, closed, count - closed

@@ -74,7 +74,9 @@ class Hidden:
 
     classes: Ints  # (n,): number of the class of each node; class 0 is never excluded
     always: Bools  # (c,): whether each class is excluded under all loads
-    by_case: Mapping[str, Bools]  # for each load case: mask (c,) of the classes that it excludes
+    by_case: Mapping[
+        str, Bools
+    ]  # for each load case: mask (c,) of the classes of nodes at which fields are singular under it
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:

@@ -61,8 +61,8 @@ _INFINITE = ": the required reinforcement is infinite there. Use a thicker plate
 _LARGEST = ("", ENDS.index("max")), ("_mean", ENDS.index("max_mean"))
 """Ending of extremes in `Envelope.field`, and index of the largest value's place."""
 _MOST = 0.75
-"""Largest part of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
-many bolts, exclude half."""
+"""Largest part of the plate's area in which moments or shears are singular, and excluded from extremes, without a
+warning. For thick covers of flanges on many bolts this part is a half."""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) augmentation: &'a Augmentation,
     /// Penalty: largest spring stiffness divided by the reference stiffness of the plate.
     pub(in crate::contact) limit: f64,
-    /// Augmentation compliance σ (m,) of each point.
+    /// Compliance σ (m,) in series with each point, 1/(penalty · reference stiffness) in the method of multipliers.
     pub(in crate::contact) series: Vec<f64>,
     /// The factor given at the start; `None` if it is that of the problem.
     given: Option<&'a Arc<System>>,

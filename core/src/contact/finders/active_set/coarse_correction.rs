@@ -54,7 +54,7 @@ impl NewtonIterate<'_> {
                 found = eliminated(matrix, resultant.clone());
             }
             let step = found.unknown;
-            // Where plates move together, their relative motion is zero, and the sum is rounding.
+            // Σ arm·step is the rigid motion along a row. Where plates move together it is zero but for rounding.
             let along = |arm: &[f64]| {
                 let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
                 let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
