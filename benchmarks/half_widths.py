@@ -1,7 +1,7 @@
 """Coverage and size of half-widths: random plates, compared with finer meshes.
 
 The constants of signorini.accuracy.half_width were chosen on the seeds from 3100000, 7200000 and 8300000; use other
-seeds. docs/accuracy.md has the results for the seeds from 3100000, 7200000 and 9100000.
+seeds. docs/accuracy.md has the results for the seeds from 3100000 and 9100000.
 
     python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 24] [--seconds 3600] [--processes 2]
     python benchmarks/half_widths.py --check        a few plates, to test the script
