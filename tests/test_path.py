@@ -263,7 +263,7 @@ def test_of_an_area_its_parts_are_events_and_not_its_points(bedded) -> None:
     table = [line for line in shown.splitlines() if " soil: " in line and line[0].isdigit()]
     t = [float(line.split()[0]) for line in table]
     assert t == sorted(t) and t == pytest.approx([event["t"] for event in events], rel=1e-5)
-    assert "soil: opens on, 50% closed" in table[2]
+    assert "soil: opens on, 50 % closed" in table[2]
     assert len([row["event"] for row in rows if row["event"]]) == len(found["support_events"]) + 2
 
 

@@ -146,6 +146,11 @@ class LoadPath(States[float]):
         return "" if why is None else mechanism(discretisation, why)
 
     @property
+    def moves(self) -> str:
+        """`mechanism` as a sentence without full stop, such as "the plate tips about the line x = 2"."""
+        return f"the plate {self.mechanism}" if self.mechanism and not self.model.plates else self.mechanism
+
+    @property
     def events(self) -> tuple[PathStop, ...]:
         """Stops at which contact points open or close; empty unless the path follows every contact point."""
         return tuple(stop for stop in self.stops if stop.switched)
@@ -273,6 +278,20 @@ class LoadPath(States[float]):
             length=units.length,
             force=units.force,
         )
+
+    @property
+    def typical(self) -> float:
+        """The t at which a report draws fields: 1 if it is inside the path, else a t away from the end of equilibrium.
+
+        That is the last event before the end of equilibrium, or half of its t without an event. On a path that ends
+        otherwise it is the end.
+        """
+        if self.end * (1 - AT_LIMIT) > 1.0:
+            return 1.0
+        if self.ending in ("until", "no_more_events"):
+            return self.end
+        before = [event.t for event in self.support_events if event.t < self.end * (1 - AT_LIMIT)]
+        return max(before, default=0.5 * self.end)
 
     @property
     def _drawn(self) -> float | None:
