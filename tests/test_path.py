@@ -369,7 +369,8 @@ def test_the_picture_shows_reactions_parts_thresholds_and_deflections(slab: Path
     assert [text.get_text() for text in parts.get_legend().get_texts()] == ["pads", "prop"]
     assert [text.get_text() for text in deflections.get_legend().get_texts()] == ["at [2, 2]", "at [3.5, 3.5]"]
     said = {text.get_text() for text in reactions.texts}
-    assert said >= {"equilibrium ends", "pads[2].reaction = 40"}
+    assert said >= {f"equilibrium ends at t = {found.limit:.6g}", "pads[2].reaction = 40"}
+    assert reactions.get_xlim()[1] > found.limit
     assert {found.words(row) for row in found.events_at} & said
     colours = {line.get_label(): line.get_color() for line in reactions.lines if line.get_label()[0] != "_"}
     assert all(colours[line.get_label()] == line.get_color() for line in parts.lines if line.get_label() in colours)

@@ -412,9 +412,7 @@ def report(
             widths = None if followed is None else estimate_asked(followed, show)
             show("writing the report")
             target = output if output is not None else file.with_suffix(".html")
-            written = write_report(
-                results, target, estimates, file.read_text("utf-8"), followed, widths, pdf, xlsx
-            )
+            written = write_report(results, target, estimates, file.read_text("utf-8"), followed, widths, pdf, xlsx)
         print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
         _refuse(results.unbalanced, results.unbalanced_count)

@@ -121,7 +121,7 @@ def load_path_picture(
     _mark_events(axes, [(at, words) for at, words in events if at <= shown[-1]], float(shown[-1]))
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     if until is not None:
-        _mark(axes, until, "deflections beyond are too large to be drawn", _ASKED, bottom=True)
+        _mark(axes, until, "beyond, too large to be drawn", _ASKED, bottom=True)
     if limit is not None:
         _mark(axes, limit, f"equilibrium ends at t = {plain(limit, 6)}", _END)
         axes[-1].set_xlim(right=max(_ROOM * limit + limit, axes[-1].get_xlim()[1]))

@@ -198,13 +198,25 @@ def _reaction_rows(of: Contents, group: str) -> Iterator[Sequence[Cell]]:
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
-        told = [(one, own) for one in of.solved(group) if (own := _supports(of, one, index)) and own["max_pressure"]]
-        if told:
-            one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
-            width = _width(one["plus_minus"], *of.place_of(index), "max_pressure")
+        value, width, by, at = _largest_pressure(of, index, group)
+        if value:
             words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
-            value = write.number(own["max_pressure"], width)
-            yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
+            yield [Cell(words), write.number(value, width), Cell(of.code(by)), write.place(at)]
+
+
+def _largest_pressure(of: Contents, index: int, group: str) -> tuple[float | None, Any, str, Any]:
+    """Largest pressure below support number ``index``, half-width, combination and place; None without a pressure."""
+    place = of.place_of(index)
+    if (envelope := of.over(group).get("envelope")) is not None:
+        if (own := found(envelope, *place, "max_pressure")) is None:
+            return None, ..., "", None
+        width = _width(envelope["plus_minus"], *place, "max_pressure", "max")
+        return own["max"], width, own["max_by"], found(envelope, *place, "largest", "max_at")
+    every = ((one, _supports(of, one, index)) for one in of.solved(group))
+    one, own = max(every, key=lambda pair: pair[1]["max_pressure"] or 0.0, default=({}, None))
+    if own is None:
+        return None, ..., "", None
+    return own["max_pressure"], _width(one["plus_minus"], *place, "max_pressure"), one["name"], own["max_pressure_at"]
 
 
 def _largest(of: Contents) -> float:
@@ -428,8 +440,8 @@ def load_path(of: Contents) -> Iterator[Block]:
         return
     write, path = of.write, of.along
     yield Text(write("path_words", start=path.start or "0", add=path.add))
-    last = len(path.stops) - 1
-    yield Text(write(f"ends_{path.ending}", t=t_in_words(path, last, of.along_estimate)))
+    end = path.limit if path.ending == "no_equilibrium" else path.end
+    yield Text(write(f"ends_{path.ending}", t=f"{end:.6g}"))
     yield from _in_english(write)
     if path.moves:
         yield Text(f"{path.moves[:1].upper()}{path.moves[1:]}.", english=True)
@@ -443,7 +455,7 @@ def load_path(of: Contents) -> Iterator[Block]:
             largest = max(map(abs, stop.reactions.tolist()), default=0.0)
             reactions = (write.number(one, size=largest) for one in stop.reactions.tolist()[:_ACROSS])
             rows.append([t, Cell(event), write.number(stop.utmost, size=size), *reactions])
-    head = ["t", write("event"), f"{write('max')} {write.label(PICTURED['deflection'])}"]
+    head = ["t", write("event"), f"{write.label(PICTURED['deflection'])}, {write('max')}"]
     head += (one.name + write.unit("reaction") for one in path.model.support[:_ACROSS])
     yield Table(write("events"), head, rows, english=True)
 

@@ -270,7 +270,7 @@ class LoadPath(States[float]):
             pressures=pressures,
             events=events,
             stepwise=[support.name for support in supports if support.place == "at"],
-            limit=self.end if self.ending == "no_equilibrium" else None,
+            limit=self.limit if self.ending == "no_equilibrium" else None,
             until=self._drawn,
             last=self._last,
             title=", ".join(part for part in (self.model.title, self.name, cut) if part),
