@@ -117,14 +117,18 @@ class PathEstimate:
         known = [width for width in widths if width is not None]
         return max(known) if known and len(known) == len(widths) else None
 
+    def words(self, path: LoadPath, index: int) -> str:
+        """Text for the t of a stop, with six digits and with its half-width if that is known."""
+        t = f"{path.stops[index].t:.6g}"
+        if not self.elements:
+            return t
+        width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else self.half_width(path, index)
+        return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
+
 
 def t_in_words(path: LoadPath, index: int, estimate: PathEstimate | None) -> str:
-    """Text for the t of a stop, with six digits and, if the path was estimated, with its half-width."""
-    t = f"{path.stops[index].t:.6g}"
-    if estimate is None or not estimate.elements:
-        return t
-    width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else estimate.half_width(path, index)
-    return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
+    """Text for the t of a stop as `PathEstimate.words`, or without half-width."""
+    return f"{path.stops[index].t:.6g}" if estimate is None else estimate.words(path, index)
 
 
 def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:

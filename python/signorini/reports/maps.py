@@ -30,7 +30,7 @@ from signorini.reports.punching import Punched
 from signorini.results.checks import quantity_of, utilisations
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import NONE, Envelope
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, typical_t
 from signorini.results.marks import drawn, extreme, panel
 from signorini.results.quantities import DESIGN_MOMENTS, FIELDS, PICTURED, PRESSURE, REINFORCEMENT, SIDES, on_plate
 from signorini.results.result import Result
@@ -324,9 +324,10 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
             yield _OfResult({"kind": "combination", "name": results.name, "words": results.name}, 1, results)
         return
     if isinstance(results, LoadPath):
-        words = {results.typical: ""} | {results.key(row): results.words(row) for row in _stops(results)}
+        typical = typical_t(results)
+        words = {typical: ""} | {results.key(row): results.words(row) for row in _stops(results)}
         for t in sorted(words):
-            about = {"kind": "stop", "name": f"t = {t:.6g}", "t": t, "words": words[t], "printed": t == results.typical}
+            about = {"kind": "stop", "name": f"t = {t:.6g}", "t": t, "words": words[t], "printed": t == typical}
             yield _OfResult(about, 1, results.at(t))
         return
     key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))

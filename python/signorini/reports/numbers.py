@@ -21,7 +21,7 @@ from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, motion_of
 from signorini.results.quantities import (
     AT_PROBES,
     DESIGN_MOMENTS,
@@ -443,8 +443,8 @@ def load_path(of: Contents) -> Iterator[Block]:
     end = path.limit if path.ending == "no_equilibrium" else path.end
     yield Text(write(f"ends_{path.ending}", t=f"{end:.6g}"))
     yield from _in_english(write)
-    if path.moves:
-        yield Text(f"{path.moves[:1].upper()}{path.moves[1:]}.", english=True)
+    if motion := motion_of(path):
+        yield Text(f"{motion[:1].upper()}{motion[1:]}.", english=True)
     yield pictures.of_path(path, write)
     yield _map(of, path, "map-path")
     size = max(abs(stop.utmost) for stop in path.stops)

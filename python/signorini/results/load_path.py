@@ -146,11 +146,6 @@ class LoadPath(States[float]):
         return "" if why is None else mechanism(discretisation, why)
 
     @property
-    def moves(self) -> str:
-        """`mechanism` as a sentence without full stop, such as "the plate tips about the line x = 2"."""
-        return f"the plate {self.mechanism}" if self.mechanism and not self.model.plates else self.mechanism
-
-    @property
     def events(self) -> tuple[PathStop, ...]:
         """Stops at which contact points open or close; empty unless the path follows every contact point."""
         return tuple(stop for stop in self.stops if stop.switched)
@@ -280,20 +275,6 @@ class LoadPath(States[float]):
         )
 
     @property
-    def typical(self) -> float:
-        """The t at which a report draws fields: 1 if it is inside the path, else a t away from the end of equilibrium.
-
-        That is the last event before the end of equilibrium, or half of its t without an event. On a path that ends
-        otherwise it is the end.
-        """
-        if self.end * (1 - AT_LIMIT) > 1.0:
-            return 1.0
-        if self.ending in ("until", "no_more_events"):
-            return self.end
-        before = [event.t for event in self.support_events if event.t < self.end * (1 - AT_LIMIT)]
-        return max(before, default=0.5 * self.end)
-
-    @property
     def _drawn(self) -> float | None:
         """The t at which deflections exceed the drawn range; None if that is before the first event, or never."""
         thickness = bending_thickness(self.discretisation)
@@ -342,6 +323,25 @@ class LoadPath(States[float]):
 
     def _result(self, t: float) -> Result:
         return result_at(self.problem, self.load_at(t), self._loads, t)
+
+
+def motion_of(path: LoadPath) -> str:
+    """`LoadPath.mechanism` with its subject, such as "the plate tips about the line x = 2"; empty without motion."""
+    return f"the plate {path.mechanism}" if path.mechanism and not path.model.plates else path.mechanism
+
+
+def typical_t(path: LoadPath) -> float:
+    """The t at which a report draws fields: 1 if it is inside the path, else a t away from the end of equilibrium.
+
+    That is the last event before the end of equilibrium, or half of its t without an event. On a path that ends
+    otherwise it is the end.
+    """
+    inside = path.end * (1 - AT_LIMIT)
+    if inside > 1.0:
+        return 1.0
+    if path.ending in ("until", "no_more_events"):
+        return path.end
+    return max((event.t for event in path.support_events if event.t < inside), default=0.5 * path.end)
 
 
 def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:
