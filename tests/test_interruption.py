@@ -110,6 +110,16 @@ def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, mod
     assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
 
 
+def test_a_second_signal_during_imports_repeats_no_message() -> None:
+    """timeout(1) sends its signal to the process and to its group."""
+    again = "real(words); os.kill(os.getpid(), signal.SIGINT)"
+    lines = ["import os, signal, sys, signorini_command", "real = sys.stderr.write", f"def write(words): {again}"]
+    lines += ["sys.stderr.write = write", "signal.signal(signal.SIGINT, signorini_command._interrupted)"]
+    lines += ["os.kill(os.getpid(), signal.SIGINT)"]
+    ended = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, timeout=60)
+    assert (ended.returncode, ended.stderr) == (130, "Interrupted; no files are written.\n")
+
+
 STEPPING = """
 import pathlib
 real, count = pathlib.Path.rename, 0

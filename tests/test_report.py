@@ -481,3 +481,50 @@ def test_the_command_adds_a_load_path(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [*options, "--add", add])
     assert done.exit_code == 0, done.output
     assert 'id="load_path"' in (tmp_path / "slab.html").read_text("utf-8")
+
+
+def test_extremes_are_those_of_each_group(solved: tuple[signorini.Results, Any]) -> None:
+    of = contents(solved)
+    for blocks, key in ((numbers.extreme_results(of), "Extreme results"), (numbers.fields(of), "Extremes of fields")):
+        tables = {one.caption: one for one in blocks if isinstance(one, Table) and one.caption.startswith(key)}
+        assert list(tables) == [f"{key}: ULS", f"{key}: SLS"]
+        for group, table in zip(("ULS", "SLS"), tables.values(), strict=True):
+            shown = {row[0].text: row[1].value for row in table.rows}
+            named = [one for one in of.results.values() if one.combination and one.combination.group == group]
+            most = max(one.extremes["deflection"].max for one in named)
+            assert shown["Deflection [m], largest"] == most
+
+
+def test_extremes_of_combinations_without_a_group_are_among_those_of_all() -> None:
+    rows = [{"name": "ULS", "group": "ULS", "factors": {"G": 1.35}}, {"name": "rest", "factors": {"G": 2.0}}]
+    for output in ({"combinations": "table", "fields": "none"}, {"combinations": "each"}):
+        of = contents((signorini.solve(slab(combination=rows, output=output)), None))
+        whole, group = numbers.extreme_results(of)
+        assert isinstance(whole, Table) and isinstance(group, Table)
+        assert (whole.caption, group.caption) == ("Extreme results", "Extreme results: ULS")
+        values = [[row[1].value for row in table.rows if "pressure" in row[0].text] for table in (whole, group)]
+        assert values[0][0] == pytest.approx(values[1][0] * 2.0 / 1.35, rel=1e-6)
+
+
+def test_a_path_has_the_words_of_the_terminal_and_of_its_motion() -> None:
+    soil = [{"name": "soil", "area": {"rectangle": [0, 0, 4, 4]}, "resists": "down", "stiffness": 2e4}]
+    tip = {"case": "Q", "force": 10, "at": [[5.9, 2]]}
+    model = slab(support=soil, load=[{"case": "G", "self_weight": True}, tip])
+    path = signorini.path(model, "G", "Q", steps=8)
+    of = contents((signorini.solve(model), None))
+    blocks = list(numbers.load_path(Contents(of.results, None, of.values, of.write, "", path)))
+    (table,) = (one for one in blocks if isinstance(one, Table))
+    assert [row[1].text for row in table.rows] == [words for words in map(path.words, range(len(path.stops))) if words]
+    assert any("50 % closed" in row[1].text for row in table.rows)
+    motion = "The plate tips about the line x = 4 through [4, 0], [4, 4] of soil."
+    assert Text(motion, english=True) in blocks
+
+
+def test_a_punching_sheet_names_the_sources_of_what_its_table_lacks() -> None:
+    bars = {"code": "EN 1992-1-1:2004", "fck": 3e4, "fyk": 5e5, "cover": {"top": 0.03, "bottom": 0.03}, "bar": 0.01}
+    table = {"support": "feet", "column": [0.3, 0.3], "code": "EN 1992-1-1:2004", "fck": 2.5e4}
+    of = contents((signorini.solve(slab(punching=[table], reinforcement=bars)), None))
+    sheet = next(one for one in numbers.punching(of) if isinstance(one, Table))
+    sources = {row[0].text: row[4].text for row in sheet.rows}
+    assert sources["fck"] == "input" and sources["fyk"] == "[reinforcement]"
+    assert "[reinforcement]" in sources["dx"] and "9.2.1.1" in sources["ρx"] and "self-weight" in sources["ΔV"]

@@ -47,6 +47,7 @@ def _asked(number: int, frame: FrameType | None) -> None:
 
 def _interrupted(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:
     """End the process at once, since half-imported modules may catch an exception as their own; no file is open."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second signal would write the message again
     sys.stderr.write("Interrupted; no files are written.\n")
     sys.stderr.flush()
     os._exit(_INTERRUPTED)

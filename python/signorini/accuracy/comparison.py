@@ -128,6 +128,11 @@ class PathEstimate:
         return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
 
 
+def t_in_words(path: LoadPath, index: int, estimate: PathEstimate | None) -> str:
+    """Text for the t of a stop as `PathEstimate.words`, or without half-width."""
+    return f"{path.stops[index].t:.6g}" if estimate is None else estimate.words(path, index)
+
+
 def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
     """Half-widths of the coordinates of contact edges: distances along x and y to the edge on the other mesh."""
     values: dict[Path, float | None] = {}

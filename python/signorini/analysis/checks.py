@@ -15,6 +15,7 @@ from signorini.model.check import OVERTURNING
 from signorini.results.catalogue import catalogue_of
 from signorini.results.checks import checks_in, require_measured
 from signorini.results.envelope import NONE
+from signorini.results.frames import place_of_number
 from signorini.results.quantities import EXTREMES, Number, with_extremes
 from signorini.results.result import Result
 
@@ -30,7 +31,7 @@ class CheckResult:
     utilisation: float | None  # value / limit
     plus_minus: float | None  # half-width of the utilisation
     governing: str | None  # name of the combination with the largest utilisation
-    # position of the extreme of a field, or name of the object with the number, such as "probe[1]"
+    # position of the extreme of a field, a pressure or a strip; else the name of the object, such as "probe[1]"
     place: tuple[float, float] | str | None
     without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
     # True if utilisation + ± ≤ 1 in all combinations and no equilibrium is missing, False if utilisation − ± > 1 in one
@@ -61,7 +62,7 @@ def check_results(results: Results, estimates: Estimates | None = None) -> tuple
     ... )
     >>> (bearing,) = check_results(solve(model))
     >>> round(bearing.utilisation, 6), bearing.governing, bearing.place, bearing.verdict
-    (0.5, 'all', 'soil', 'passed')
+    (0.5, 'all', (0.0, 0.0), 'passed')
     """
     catalogue = results.combined.layout.catalogue
     places = {one.owner: place for place, one in enumerate(catalogue) if one.home == "check" and one.what == "value"}
@@ -131,8 +132,6 @@ def _place(result: Result, index: int) -> tuple[float, float] | str:
     numbers: tuple[Number, ...] = result.catalogue.numbers
     own = next(one for one in checks_in(result.catalogue) if numbers[one.utilisation].owner == index)
     one: Number = numbers[own.measured[own.governing(result.numbers[None])[0][0]]]
-    if one.home not in EXTREMES:
-        return one.subject
-    plate = result if one.path[0] != "plates" else result.plates[str(one.path[1])]
-    x, y = getattr(plate.extremes[one.quantity.name], f"{one.what}_at")
-    return float(x), float(y)
+    # The name of an object at one point says where it is.
+    at = place_of_number(result, one) if one.home in (*EXTREMES, "support", "strip") else None
+    return one.subject if at is None else (float(at[0]), float(at[1]))

@@ -15,6 +15,8 @@ Certificates tolerate a hundred times as much.
 """
 
 
+_KNOWN = 12
+"""Significant digits without rounding errors: numbers that agree in these are written alike, also midway."""
 _LEAST = 4
 """Smallest number of significant digits with which a number is shown beside its half-width."""
 _LONG = 9
@@ -35,9 +37,12 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
     --------
     >>> number(-1.7e-10, largest=8109.0), number(8109.0), number(1234567.8)
     ('0', '8109', '1234568')
+    >>> number(2243.2499999999995, digits=5), number(2243.2500000000005, digits=5)
+    ('2243.2', '2243.2')
     """
     if abs(value) <= ROUNDING * largest:
         return "0"
+    value = float(f"{value:.{_KNOWN}g}")
     # Forces in newtons often exceed six digits; more digits are easier to read than an exponent.
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
 

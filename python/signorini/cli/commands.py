@@ -405,6 +405,7 @@ def report(
     Print the checks and the warnings. The table [report] of the input gives the title block and the language.
     """
     with _messages(file):
+        from signorini.analysis.estimate import estimate_asked
         from signorini.cli.tables import print_verdicts
         from signorini.reports.page import require_report, write_report
 
@@ -416,8 +417,9 @@ def report(
         with progress_line() as show:
             results, estimates = _solved(model, show, sensitivity=sensitivity or ())
             followed = None if add is None else signorini.path(model, start, add, until, show)
+            widths = None if followed is None else estimate_asked(followed, show)
             show("writing the report")
-            written = write_report(results, target, estimates, file.read_text("utf-8"), followed, pdf, xlsx)
+            written = write_report(results, target, estimates, file.read_text("utf-8"), followed, widths, pdf, xlsx)
         print_verdicts(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {', '.join(map(visible, written))}")
         _refuse(results.unbalanced, results.unbalanced_count)

@@ -7,10 +7,10 @@ import math
 from rich.console import Console
 from rich.text import Text
 
-from signorini.accuracy.comparison import PathEstimate
+from signorini.accuracy.comparison import PathEstimate, t_in_words
 from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.grid import UNKNOWN, Column, Grid, numbers, say, say_checked
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, motion_of
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh the event does not occur, or at a very different t"
 _MAX_EVENTS = 40
@@ -45,8 +45,7 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
         stop = path.stops[index]
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
-        t = f"{stop.t:.6g}" if estimate is None else estimate.words(path, index)
-        rows.add(t, event, number(stop.utmost, farthest), *shown)
+        rows.add(t_in_words(path, index, estimate), event, number(stop.utmost, farthest), *shown)
     rows.show(console)
     say(console, f"all {len(path.stops)} stops are in path.csv")
     for threshold in path.thresholds:
@@ -73,7 +72,7 @@ def _ending(path: LoadPath) -> str:
         return f"Followed to t = {path.end:.9g}, where it was interrupted."
     match path.ending:
         case "no_equilibrium":
-            how = f", and the plate {path.mechanism}" if path.mechanism else ""
+            how = f", and {motion}" if (motion := motion_of(path)) else ""
             return f"Equilibrium ends at t = {path.limit:.9g}: beyond it no reactions balance the load{how}."
         case "no_more_events":
             return "After the last event no point opens or closes for any larger t."

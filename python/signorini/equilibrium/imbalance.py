@@ -382,14 +382,16 @@ def line_in_words(normal: Floats, offset: float, size: float) -> str:
     '0.75 x + y = 2'
     >>> line_in_words(np.array([1.0, 1e-17]), 1e-16, 4.0)
     'x = 0'
+    >>> line_in_words(np.array([0.70710677, 0.70710679]), -7 * 2**0.5, 7.0)
+    'x + y = 14'
     """
     leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
-    a, b = (round(float(part / normal[leading]), 9) for part in normal)
+    a, b = (round(float(part / normal[leading]), 6) for part in normal)
     equals = length(-offset / normal[leading], size)
     if a == 0.0 or b == 0.0:
         return f"{'xy'[leading]} = {equals}"
-    first = "x" if a == 1.0 else f"{a:.6g} x"
-    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
+    first = "x" if a == 1.0 else f"{a:g} x"
+    second = "y" if abs(b) == 1.0 else f"{abs(b):g} y"
     return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
 
 

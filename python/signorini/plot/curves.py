@@ -88,8 +88,8 @@ def load_path_picture(
     all panels. Equal curves are drawn once. A panel draws at most 18 curves and counts the others. If the last values
     are far larger than all earlier values, they are cut off, with a note. ``thresholds`` are values of t to mark, by
     name; ``events`` are values of t with labels. The closed fractions of the supports ``stepwise`` jump at events.
-    Equilibrium ends at ``limit``; beyond ``until`` deflections are too large for the theory. Curves end at ``until`` or
-    ``last``.
+    Equilibrium ends at ``limit``, to which the axis reaches; beyond ``until`` deflections are too large for the theory.
+    Curves end at ``until`` or ``last``.
     """
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
@@ -120,11 +120,11 @@ def load_path_picture(
     axes[-1].invert_yaxis()
     _mark_events(axes, [(at, words) for at, words in events if at <= shown[-1]], float(shown[-1]))
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
-    end, words = limit, "equilibrium ends"
-    if until is not None and (end is None or until < end):
-        end, words = until, "beyond, too large to be drawn"
-    if end is not None and end <= shown[-1]:
-        _mark(axes, end, words, _END)
+    if until is not None:
+        _mark(axes, until, "beyond, too large to be drawn", _ASKED, bottom=True)
+    if limit is not None:
+        _mark(axes, limit, f"equilibrium ends at t = {plain(limit, 6)}", _END)
+        axes[-1].set_xlim(right=max(_ROOM * limit + limit, axes[-1].get_xlim()[1]))
     for name, value in (thresholds or {}).items():
         if value <= shown[-1]:
             _mark(axes, value, name, _ASKED)
@@ -135,18 +135,20 @@ def _unit(unit: str) -> str:
     return literal(f" [{unit}]" if unit else "")
 
 
-def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
+def _mark(axes: list[Axes], t: float, words: str, color: str, bottom: bool = False) -> None:
+    """Draw a line at ``t`` in all panels, and its label at the top or the ``bottom`` of the first."""
     for panel in axes:
         panel.axvline(t, color=color, linewidth=1.2, linestyle="solid" if color == _END else (0, (4, 2)))
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-    look = {"ha": "right", "va": "top", "fontsize": 8, "color": color, "bbox": paper}
-    _write_at_top(axes[0], t, words, xytext=(-3, -3), rotation=90, **look)
+    look: dict[str, Any] = {"ha": "right", "va": "bottom" if bottom else "top", "fontsize": 8, "color": color}
+    offset = (-3, 3 if bottom else -3)
+    _write_at_edge(axes[0], t, 0.0 if bottom else 1.0, words, xytext=offset, rotation=90, bbox=paper, **look)
 
 
-def _write_at_top(axes: Axes, t: float, words: str, **look: Any) -> None:
-    """Write a text at ``t`` at the upper edge of a panel."""
+def _write_at_edge(axes: Axes, t: float, edge: float, words: str, **look: Any) -> None:
+    """Write a text at ``t`` at the lower edge 0 or the upper edge 1 of a panel."""
     place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-    axes.annotate(literal(words), (t, 1.0), **place, **look)
+    axes.annotate(literal(words), (t, edge), **place, **look)
 
 
 def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
@@ -157,7 +159,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
             panel.axvline(t, color=_EVENT, linewidth=0.7, linestyle="dotted", zorder=0.9)
         if t - before >= _ROOM * end:
             short = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
-            _write_at_top(axes[0], t, short, xytext=(0, 2), rotation=40, fontsize=7, color=_EVENT)
+            _write_at_edge(axes[0], t, 1.0, short, xytext=(0, 2), rotation=40, fontsize=7, color=_EVENT)
             before = t
 
 

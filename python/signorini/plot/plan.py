@@ -251,8 +251,8 @@ class Labels:
     ) -> None:
         """Write a label near one of the positions (k, 2), preferably the first; a line joins a distant label to it.
 
-        The label is nearer to its own position than to each of ``others`` (r, 2), the positions of other labels, if
-        possible.
+        The label is inside the axes, and nearer to its own position than to each of ``others`` (r, 2), the positions of
+        other labels, if possible.
         """
         at = np.atleast_2d(np.asarray(places, dtype=np.float64))
         extent = np.array([_LETTER * len(words), _LINE]) * size
@@ -260,13 +260,14 @@ class Labels:
         moved = np.tile(ways, (len(at), 1)) + 0.5 * extent * np.sign(np.tile(ways, (len(at), 1)))
         anchors = np.repeat(np.arange(len(at)), len(ways))
         order = np.tile(np.arange(len(ways)), len(at)) + 3 * anchors
-        middles, own = self.points(at)[anchors] + moved, self.points(at)[anchors]
+        own, room = self.points(at)[anchors], np.minimum(0.5 * extent, 0.5 * self._size)
+        middles = np.clip(own + moved, room, self._size - room)
         beside_others = np.zeros(len(moved), np.bool_)
         for other in self.points(others) if np.size(others) else ():
             away = [_away(middles, extent, place) for place in (other, own)]
             beside_others |= away[0] <= away[1] + _APART
         best = self._best(middles, extent, order + _MISTAKEN * beside_others)
-        anchor, (x, y) = at[anchors[best]], moved[best]
+        anchor, (x, y) = at[anchors[best]], middles[best] - own[best]
         offset: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
         if np.abs(ways[best % len(ways)]).max() > _LEADER:
             offset["arrowprops"] = {"arrowstyle": "-", "color": color, "linewidth": 0.6, "shrinkA": 0, "shrinkB": 3}

@@ -30,7 +30,7 @@ from signorini.reports.punching import Punched
 from signorini.results.checks import quantity_of, utilisations
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.envelope import NONE, Envelope
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, typical_t
 from signorini.results.marks import drawn, extreme, panel
 from signorini.results.quantities import DESIGN_MOMENTS, FIELDS, PICTURED, PRESSURE, REINFORCEMENT, SIDES, on_plate
 from signorini.results.result import Result
@@ -278,6 +278,7 @@ def map_data(
     kept = [name for name in fields if any(name in of for row in stored for of in row)]
     header = {
         "title": whole.model.title,
+        "path": whole.name if isinstance(whole, LoadPath) else "",
         "length": units.length,
         "plates": [one.header for one in plates],
         "fields": [
@@ -314,38 +315,35 @@ def _largest(state: _State, plate: OfWhole, name: str) -> float:
 
 
 def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -> Iterator[_State]:
-    """Yield the states of a viewer: envelopes, then governing and other combinations, or stops of a path."""
+    """Yield the states of a viewer: envelopes, then governing and other combinations, or stops of a path.
+
+    A path has no envelope: at the end of equilibrium its deflections and pressures grow without limit.
+    """
     if isinstance(results, Result):
         if results.status == "solved":
             yield _OfResult({"kind": "combination", "name": results.name, "words": results.name}, 1, results)
         return
-    key: Callable[[int], str]
-    label: Callable[[int], str]
-    if isinstance(results, Results):
-        count = results.combined.solved
-        key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))
-        envelopes = {"": results.envelope} | (dict(results.groups) if len(results.groups) > 1 else {})
-    else:
-        count = len(results.stops)
-        key = label = lambda row: _at(results.key(row))
-        envelopes = {"": results.envelope}
-    for group, envelope in envelopes.items() if count > 1 else ():
-        for end, side in enumerate(_ENDS):
-            yield _OfEnvelope({"kind": side, "name": group}, envelope, end, key, label, estimates)
     if isinstance(results, LoadPath):
-        for row in _stops(results):
-            t = results.key(row)
-            yield _OfResult({"kind": "stop", "name": _at(t), "t": t, "words": results.words(row)}, 1, results.at(t))
+        typical = typical_t(results)
+        words = {typical: ""} | {results.key(row): results.words(row) for row in _stops(results)}
+        for t in sorted(words):
+            about = {"kind": "stop", "name": f"t = {t:.6g}", "t": t, "words": words[t], "printed": t == typical}
+            yield _OfResult(about, 1, results.at(t))
         return
+    key, label = (lambda row: numbered(results, results.key(row))), (lambda row: short(results, results.key(row)))
+    combinations = results.model.effective_combinations
+    several = len(results.groups) > 1
+    envelopes = {"": results.envelope} | (dict(results.groups) if several else {})
+    for group, envelope in envelopes.items() if results.combined.solved > 1 else ():
+        mixed = several and not group and sum(combinations.groups.values()) == len(combinations)
+        for end, side in enumerate(_ENDS):
+            yield _OfEnvelope({"kind": side, "name": group, "mixed": mixed}, envelope, end, key, label, estimates)
     governing = results.governing
     for name in [*governing, *(name for name in results.full if name not in governing)]:
         if (result := results[name]).status == "solved":
-            about = {"kind": "combination", "name": name, "words": numbered(results, name)}
+            group = combinations[results.number_of(name)].group
+            about = {"kind": "combination", "name": name, "words": numbered(results, name), "group": group}
             yield _OfResult(about, 1 + (name not in governing), result, estimates)
-
-
-def _at(t: float) -> str:
-    return f"t = {t:.6g}"
 
 
 def _stops(path: LoadPath) -> list[int]:

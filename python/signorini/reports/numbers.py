@@ -10,18 +10,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from signorini.accuracy.comparison import t_in_words
 from signorini.analysis.checks import judged
 from signorini.analysis.results import Results
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.output.by_combination import by_combination
-from signorini.output.load_path import path_json
 from signorini.reports import pictures
 from signorini.reports.blocks import Block, Cell, Map, Table, Text, Writer, found, solved
 from signorini.reports.diagrams import diagrams
 from signorini.reports.maps import fields_of, map_data, map_html
 from signorini.reports.punching import figure, sheet
 from signorini.reports.sections import Contents
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, motion_of
 from signorini.results.quantities import (
     AT_PROBES,
     DESIGN_MOMENTS,
@@ -49,16 +49,19 @@ def _width(tree: Any, *keys: str | int) -> Any:
     return ... if tree is None else found(tree, *keys)
 
 
-def extremes(of: Contents, name: str) -> Iterator[tuple[str, float, Any, str, Any]]:
-    """Yield side, value, half-width, combination and place of the largest and the smallest value of a field."""
+def extremes(of: Contents, name: str, group: str = "") -> Iterator[tuple[str, float, Any, str, Any]]:
+    """Yield side, value, half-width, combination and place of the largest and the smallest value of a field.
+
+    The extremes are those over a group of combinations; over all combinations if ``group`` is empty.
+    """
     path = (name,) if name == "deflection" else ("fields", name)
-    if (envelope := of.values.get("envelope")) is not None:
+    if (envelope := of.over(group).get("envelope")) is not None:
         own, widths = found(envelope, "fields", name), envelope["plus_minus"]
         for side in SIDES if own else ():
             by = own.get(f"{side}_by")
             yield side, own.get(side), _width(widths, "fields", name, side), by, own.get(f"{side}_at")
         return
-    told = [(one, found(one, *path)) for one in solved(of.values) if found(one, *path, "max") is not None]
+    told = [(one, found(one, *path)) for one in of.solved(group) if found(one, *path, "max") is not None]
     for side in SIDES if told else ():
         one, own = (max if side == "max" else min)(told, key=lambda pair: pair[1][side])
         yield side, own[side], _width(one["plus_minus"], *path, side), one["name"], own[f"{side}_at"]
@@ -157,9 +160,11 @@ def summary(of: Contents) -> Iterator[Block]:
 
 
 def extreme_results(of: Contents) -> Iterator[Block]:
-    """Yield the extreme deflections, reactions and pressures."""
+    """Yield the extreme deflections, reactions and pressures, a table for each group of combinations."""
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
-    yield Table(of.write("extremes"), head, [*_field_rows(of, ["deflection"]), *_reaction_rows(of)])
+    for group in of.groups:
+        rows = [*_field_rows(of, ["deflection"], group), *_reaction_rows(of, group)]
+        yield Table(of.captioned("extremes", group), head, rows)
 
 
 def _in_english(write: Writer) -> Iterator[Text]:
@@ -168,10 +173,10 @@ def _in_english(write: Writer) -> Iterator[Text]:
         yield Text(write("in_english"))
 
 
-def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
+def _field_rows(of: Contents, names: Sequence[str], group: str) -> Iterator[Sequence[Cell]]:
     write = of.write
     for name in names:
-        ends = list(extremes(of, name))
+        ends = list(extremes(of, name, group))
         size = max((abs(end[1]) for end in ends), default=0.0)
         governing = "min" if DESIGN_MOMENTS.get(name, 1.0) < 0.0 else "max"
         for side, value, width, by, at in ends:
@@ -181,9 +186,9 @@ def _field_rows(of: Contents, names: Sequence[str]) -> Iterator[Sequence[Cell]]:
             yield [Cell(words), write.value(PICTURED[name], value, width, size), Cell(of.code(by)), write.place(at)]
 
 
-def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
+def _reaction_rows(of: Contents, group: str) -> Iterator[Sequence[Cell]]:
     """Yield the largest and smallest reaction of each whole support, and the largest pressures."""
-    write, every = of.write, of.values["governing_reactions"]
+    write, every = of.write, of.over(group)["governing_reactions"]
     unit, largest = write.unit("reaction"), _largest(of)
     for support in dict.fromkeys(one["support"] for one in every):
         own = [one for one in every if one["support"] == support]
@@ -193,13 +198,25 @@ def _reaction_rows(of: Contents) -> Iterator[Sequence[Cell]]:
             cells = [Cell(words), write.number(one[side], _width(one["plus_minus"], side), largest)]
             yield [*cells, Cell(of.code(one[f"{side}_by"])), write.place(one["at"])]
     for index, support in enumerate(of.results.model.support):
-        told = [(one, own) for one in solved(of.values) if (own := _supports(of, one, index)) and own["max_pressure"]]
-        if told:
-            one, own = max(told, key=lambda pair: pair[1]["max_pressure"])
-            width = _width(one["plus_minus"], *of.place_of(index), "max_pressure")
+        value, width, by, at = _largest_pressure(of, index, group)
+        if value:
             words = f"{write('pressure')} {support.name}{write.unit('pressure')}, {write('max')}"
-            value = write.number(own["max_pressure"], width)
-            yield [Cell(words), value, Cell(of.code(one["name"])), write.place(own["max_pressure_at"])]
+            yield [Cell(words), write.number(value, width), Cell(of.code(by)), write.place(at)]
+
+
+def _largest_pressure(of: Contents, index: int, group: str) -> tuple[float | None, Any, str, Any]:
+    """Largest pressure below support number ``index``, half-width, combination and place; None without a pressure."""
+    place = of.place_of(index)
+    if (envelope := of.over(group).get("envelope")) is not None:
+        if (own := found(envelope, *place, "max_pressure")) is None:
+            return None, ..., "", None
+        width = _width(envelope["plus_minus"], *place, "max_pressure", "max")
+        return own["max"], width, own["max_by"], found(envelope, *place, "largest", "max_at")
+    every = ((one, _supports(of, one, index)) for one in of.solved(group))
+    one, own = max(every, key=lambda pair: pair[1]["max_pressure"] or 0.0, default=({}, None))
+    if own is None:
+        return None, ..., "", None
+    return own["max_pressure"], _width(one["plus_minus"], *place, "max_pressure"), one["name"], own["max_pressure_at"]
 
 
 def _largest(of: Contents) -> float:
@@ -324,7 +341,9 @@ def fields(of: Contents) -> Iterator[Block]:
         yield _map(of, of.results, "map")
     head = [of.write(key) for key in ("quantity", "value", "governing", "place")]
     yield Text(of.write("excluded_words"))
-    yield Table(of.write("field_extremes"), head, list(_field_rows(of, fields_of(of.results.model))))
+    for group in of.groups:
+        rows = list(_field_rows(of, fields_of(of.results.model), group))
+        yield Table(of.captioned("field_extremes", group), head, rows)
     told = [(one, number, probe) for one in solved(of.values) for number, probe in enumerate(one["probes"])]
     known = [one for one in AT_PROBES if any(found(probe, *one.path) is not None for _, _, probe in told)]
     head = [of.write(key) for key in ("combination", "probe", "place")]
@@ -419,20 +438,26 @@ def load_path(of: Contents) -> Iterator[Block]:
     """Yield a load path: how it ends, its events and thresholds, its picture."""
     if of.along is None:
         return
-    write, path = of.write, path_json(of.along)
-    yield Text(write("path_words", start=path["from"] or "0", add=path["add"]))
-    ending = write(f"ends_{path['ending']}", t=f"{path['end']:.6g}")
-    yield Text(ending)
-    if path["mechanism"]:
-        yield Text(path["mechanism"], english=True)
-    yield pictures.of_path(of.along, write)
-    yield _map(of, of.along, "map-path")
-    rows = [
-        [write.number(one["t"]), Cell(one["support"]), write.place(one["at"]), Cell(one["change"])]
-        for one in path["support_events"]
-    ]
-    rows += [[write.number(one["t"]), Cell(one["when"]), Cell(""), Cell("")] for one in path["thresholds"]]
-    yield Table(write("events"), ["t", write("support"), write("place"), write("event")], rows)
+    write, path = of.write, of.along
+    yield Text(write("path_words", start=path.start or "0", add=path.add))
+    end = path.limit if path.ending == "no_equilibrium" else path.end
+    yield Text(write(f"ends_{path.ending}", t=f"{end:.6g}"))
+    yield from _in_english(write)
+    if motion := motion_of(path):
+        yield Text(f"{motion[:1].upper()}{motion[1:]}.", english=True)
+    yield pictures.of_path(path, write)
+    yield _map(of, path, "map-path")
+    size = max(abs(stop.utmost) for stop in path.stops)
+    rows = []
+    for index, stop in enumerate(path.stops):
+        if event := path.words(index):
+            t = Cell(t_in_words(path, index, of.along_estimate), stop.t)
+            largest = max(map(abs, stop.reactions.tolist()), default=0.0)
+            reactions = (write.number(one, size=largest) for one in stop.reactions.tolist()[:_ACROSS])
+            rows.append([t, Cell(event), write.number(stop.utmost, size=size), *reactions])
+    head = ["t", write("event"), f"{write.label(PICTURED['deflection'])}, {write('max')}"]
+    head += (one.name + write.unit("reaction") for one in path.model.support[:_ACROSS])
+    yield Table(write("events"), head, rows, english=True)
 
 
 def punching(of: Contents) -> Iterator[Block]:
@@ -440,11 +465,12 @@ def punching(of: Contents) -> Iterator[Block]:
     write = of.write
     for one in of.punched:
         column = one.of.column
+        table = of.results.model.punching[column.column.table]
         place, name = write.place(one.of.at).text, f"{write('combination')} {of.code(one.combination)}"
         yield Text(f"{one.of.name}, {place}, {name}", "heading")
         yield figure(one, write)
         head = [write(key) for key in ("symbol", "meaning", "value", "unit", "clause")]
-        yield Table(f"{write('punching')} {one.of.name}, {column.code}", head, [*sheet(one, write)], open=True)
+        yield Table(f"{write('punching')} {one.of.name}, {column.code}", head, [*sheet(one, table, write)], open=True)
         used, width = one.utilisation
         passed, verdict = verdict_on(of, used, width)
         words = f"{write('utilisation')} {write.number(used, width).text}: {verdict}"

@@ -20,7 +20,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from signorini.analysis.estimate import Estimates, estimates_of
+from signorini.accuracy.comparison import PathEstimate
+from signorini.analysis.estimate import Estimates, estimate_asked, estimates_of
 from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
@@ -96,7 +97,7 @@ def report(
     estimate : Estimates, optional
         Half-widths from `signorini.estimate`.
     load_path : LoadPath, optional
-        A load path of the same model, which the report also shows.
+        A load path of the same model, which the report also shows, with half-widths if ``mesh.error`` is true.
     pdf : bool
         Whether an installed Chromium or Chrome also prints the report to a PDF file beside it.
     xlsx : bool
@@ -134,7 +135,8 @@ def report(
         source = original.to_toml()
     except InputError:  # TOML has no functions
         source = json.dumps(json.loads(original.provenance.text), indent=1, ensure_ascii=False)
-    return write_report(results, path, estimate, source, load_path, pdf, xlsx)
+    along_estimate = None if load_path is None else estimate_asked(load_path)
+    return write_report(results, path, estimate, source, load_path, along_estimate, pdf, xlsx)
 
 
 def write_report(
@@ -143,13 +145,14 @@ def write_report(
     estimates: Estimates | None,
     source: str,
     load_path: LoadPath | None = None,
+    along_estimate: PathEstimate | None = None,
     pdf: bool = False,
     xlsx: bool = False,
 ) -> list[Path]:
     """Write a report as `report` does; ``source`` is the text of the input file."""
     written = require_report(path, pdf, xlsx)
     target, *_ = written
-    text = page(results, estimates, source, load_path)
+    text = page(results, estimates, source, load_path, along_estimate)
     with _writing(target), replacing(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
     if pdf:
@@ -187,11 +190,17 @@ def _writing(file: Path) -> Iterator[None]:
         raise InputError(f"{file} cannot be written: {error.strerror or error}.", place="output") from None
 
 
-def page(results: Results, estimates: Estimates | None, source: str, load_path: LoadPath | None = None) -> str:
+def page(
+    results: Results,
+    estimates: Estimates | None,
+    source: str,
+    load_path: LoadPath | None = None,
+    along_estimate: PathEstimate | None = None,
+) -> str:
     """Return the HTML of a report."""
     model, values = results.model, results_json(results, estimates)
     write = Writer(model.report.language, model.units)
-    contents = Contents(results, estimates, values, write, source, load_path)
+    contents = Contents(results, estimates, values, write, source, load_path, along_estimate)
     made = (sections.section(key, blocks(contents)) for key, blocks in _SECTIONS.items())
     own: Sequence[Section] = [one for one in made if one is not None]
     keys = ("project", "number", "client", "author", "checker", "approver", "date", "revision")

@@ -14,6 +14,7 @@ from signorini.analysis.results import Results
 from signorini.design import aci318, en1992_punching
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError
+from signorini.model.punching import Punching
 from signorini.reports.blocks import Cell, Drawing, Writer, svg_path
 from signorini.results.envelope import NONE
 from signorini.results.punching import ColumnResult
@@ -132,8 +133,11 @@ def punched(results: Results, estimates: Estimates | None) -> list[Punched]:
     return every
 
 
-def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
-    """Yield the rows of a sheet: symbol, meaning, value with ±, unit, formula and clause of each number."""
+def sheet(one: Punched, table: Punching, write: Writer) -> Iterator[Sequence[Cell]]:
+    """Yield the rows of a sheet: symbol, meaning, value with ±, unit, formula and clause of each number.
+
+    ``table`` is the [[punching]] of the column; [reinforcement] gives the depths, ratios and strengths that it lacks.
+    """
     column, check, units = one.of.column, one.of.column.check, write.units
 
     def row(symbol: str, words: str, value: float, force: int, length: int, why: str) -> Sequence[Cell]:
@@ -141,16 +145,20 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
         own = write.number(value / (column.force**force * column.length**length))
         return [Cell(symbol), Cell(write(words)), own, Cell(unit), Cell(why)]
 
-    given, eurocode = write("input"), isinstance(check, en1992_punching.Punching)
+    eurocode = isinstance(check, en1992_punching.Punching)
+
+    def source(key: str, default: str) -> str:
+        return write("input") if getattr(table, key) is not None else default
+
     for symbol, axis in (("c1", check.plan.column.axis), ("c2", 1j * check.plan.column.axis)):
         yield row(symbol, "column_side", check.plan.column.size(axis), 0, 1, _along(axis))
     for symbol, d in zip(("dx", "dy"), check.d, strict=True):
-        yield row(symbol, "depth", d, 0, 1, given)
+        yield row(symbol, "depth", d, 0, 1, source("d", write("depth_of_bars")))
     yield row("d", "mean_d", check.depth, 0, 1, "= (dx + dy)/2")
     for symbol, rho in zip(("ρx", "ρy"), getattr(check, "rho", ()), strict=False):
-        yield row(symbol, "ratio", rho, 0, 0, given)
-    for symbol, strength in zip(("fck", "fyk") if eurocode else ("f'c", "fyt"), (check.fck, check.fyk), strict=True):
-        yield row(symbol, "strength", strength, 1, -2, given)
+        yield row(symbol, "ratio", rho, 0, 0, source("rho", "= As,min/(b d); EN 1992-1-1, 9.2.1.1(1), Eq. (9.1N)"))
+    for key, symbol in zip(("fck", "fyk"), ("fck", "fyk") if eurocode else ("f'c", "fyt"), strict=True):
+        yield row(symbol, "strength", getattr(check, key), 1, -2, source(key, "[reinforcement]"))
     helpers = _eurocode(one, check) if isinstance(check, en1992_punching.Punching) else _aci(one, check)
     helping = [row(*each) for each in helpers]
     for quantity in OF_COLUMNS:
@@ -158,6 +166,8 @@ def sheet(one: Punched, write: Writer) -> Iterator[Sequence[Cell]]:
             yield from helping
         width = ... if one.widths is None else one.widths.get(quantity.name, ...)
         formula, clause = _FORMULAS[column.code].get(quantity.name), check.clauses.get(quantity.name)
+        if quantity.name == "inside":
+            formula = write("inside_raft" if column.column.support is None else "inside_slab")
         why = "; ".join(filter(None, (formula and f"= {formula}", clause)))
         own = one.of.numbers[quantity.name]
         value = write.number(None if np.isnan(own) else own, width)

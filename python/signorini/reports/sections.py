@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from signorini.accuracy.comparison import PathEstimate
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit, number
 from signorini.model.key_units import unit_of
 from signorini.reports import pictures
-from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer
+from signorini.reports.blocks import Block, Cell, Section, Table, Text, Writer, solved
 from signorini.reports.names import numbered, short
 from signorini.reports.punching import Punched, punched
 from signorini.results.load_path import LoadPath
@@ -36,6 +37,7 @@ class Contents:
     write: Writer
     source: str
     along: LoadPath | None = None
+    along_estimate: PathEstimate | None = None
 
     @property
     def input(self) -> Mapping[str, Any]:
@@ -53,6 +55,27 @@ class Contents:
     def punched(self) -> Sequence[Punched]:
         """Punched columns in their governing combinations."""
         return punched(self.results, self.estimates)
+
+    @property
+    def groups(self) -> Sequence[str]:
+        """Groups with extremes of their own; before them "", all combinations, unless every combination has a group."""
+        every = self.results.model.effective_combinations
+        return (*(() if sum(every.groups.values()) == len(every) else ("",)), *every.groups)
+
+    def over(self, group: str) -> Mapping[str, Any]:
+        """Part of results.json about a group of combinations; about all combinations if ``group`` is empty."""
+        return next(one for one in self.values["groups"] if one["name"] == group) if group else self.values
+
+    def solved(self, group: str = "") -> Iterator[Mapping[str, Any]]:
+        """Yield the combinations of results.json with an equilibrium, of a group or, if it is empty, all."""
+        combinations = self.results.model.effective_combinations
+        for one in solved(self.values):
+            if group in ("", combinations[self.results.number_of(one["name"])].group):
+                yield one
+
+    def captioned(self, key: str, group: str) -> str:
+        """Text of the catalogue with the name of a group."""
+        return self.write(key) + (f": {group}" if group else "")
 
     def place_of(self, index: int) -> tuple[str, int]:
         """Keys of support number ``index`` in a combination of results.json: contacts follow supports."""
@@ -211,8 +234,7 @@ def combinations(of: Contents) -> Iterator[Block]:
             [Cell(of.code(one.name)), *(write.number((one.factors or {}).get(case, 0.0) or None) for case in cases)]
             for one in own
         ]
-        caption = write("combinations") + (f": {group}" if group else "")
-        yield Table(caption, [write("combination"), *cases], rows)
+        yield Table(of.captioned("combinations", group), [write("combination"), *cases], rows)
 
 
 def glossary(of: Contents) -> Iterator[Block]:

@@ -9,25 +9,26 @@ import numpy as np
 
 from signorini.base.packages import package
 from signorini.results.checks import quantity_of
-from signorini.results.quantities import Number
+from signorini.results.quantities import EXTREMES, Number
 from signorini.results.rows import Column
 from signorini.results.state import ResultState
 
 
 def numbers_frame(result: ResultState) -> Any:
     """Return the numbers of a result as a `pandas.DataFrame` with one row for each: value, unit and position."""
-    units, places = result.model.units, [_place(result, one) for one in result.catalogue]
+    units, places = result.model.units, [place_of_number(result, one) for one in result.catalogue]
+    nowhere = np.nan, np.nan
     columns = {
         "value": result.numbers,
         "unit": [one.quantity.unit(units) for one in result.catalogue],
-        **dict(zip("xy", np.array(places).reshape(-1, 2).T, strict=True)),
+        **dict(zip("xy", np.array([at or nowhere for at in places]).reshape(-1, 2).T, strict=True)),
     }
     names = package("pandas").Index([one.name for one in result.catalogue], name="name")
     return package("pandas").DataFrame(columns, names)
 
 
-def _place(result: ResultState, one: Number) -> tuple[float, float]:
-    """Position (x, y) to which a number of a result belongs; NaN if it has none."""
+def place_of_number(result: ResultState, one: Number) -> tuple[float, float] | None:
+    """Position (x, y) to which a number of a result belongs; None if it has none."""
     own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
     places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
         "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),
@@ -35,11 +36,10 @@ def _place(result: ResultState, one: Number) -> tuple[float, float]:
         "punching": lambda: own.punching[one.owner].at,
         "station": lambda: own.strips[one.owner].stations[one.part].at,
         "strip": lambda: getattr(own.strips[one.owner], "sagging" if one.what == "max_moment" else "hogging").at,
-        "field": lambda: getattr(own.extremes[one.quantity.name], f"{one.what}_at"),
+        **dict.fromkeys(EXTREMES, lambda: getattr(own.extremes[one.quantity.name], f"{one.what}_at")),
         "support": lambda: own.supports[one.owner].max_pressure_at if one.what == "max_pressure" else None,
     }
-    found = places[one.home]() if result.status == "solved" and one.home in places else None
-    return (np.nan, np.nan) if found is None else found
+    return places[one.home]() if result.status == "solved" and one.home in places else None
 
 
 def dataframe(table: Mapping[str, Column], key: str) -> Any:

@@ -265,7 +265,7 @@ class LoadPath(States[float]):
             pressures=pressures,
             events=events,
             stepwise=[support.name for support in supports if support.place == "at"],
-            limit=self.end if self.ending == "no_equilibrium" else None,
+            limit=self.limit if self.ending == "no_equilibrium" else None,
             until=self._drawn,
             last=self._last,
             title=", ".join(part for part in (self.model.title, self.name, cut) if part),
@@ -323,6 +323,25 @@ class LoadPath(States[float]):
 
     def _result(self, t: float) -> Result:
         return result_at(self.problem, self.load_at(t), self._loads, t)
+
+
+def motion_of(path: LoadPath) -> str:
+    """`LoadPath.mechanism` with its subject, such as "the plate tips about the line x = 2"; empty without motion."""
+    return f"the plate {path.mechanism}" if path.mechanism and not path.model.plates else path.mechanism
+
+
+def typical_t(path: LoadPath) -> float:
+    """The t at which a report draws fields: 1 if it is inside the path, else a t away from the end of equilibrium.
+
+    That is the last event before the end of equilibrium, or half of its t without an event. On a path that ends
+    otherwise it is the end.
+    """
+    inside = path.end * (1 - AT_LIMIT)
+    if inside > 1.0:
+        return 1.0
+    if path.ending in ("until", "no_more_events"):
+        return path.end
+    return max((event.t for event in path.support_events if event.t < inside), default=0.5 * path.end)
 
 
 def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:

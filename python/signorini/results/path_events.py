@@ -223,7 +223,7 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
         places = [event.at for event in those if event.at is not None]
         where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
         more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
-        partly = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
+        partly = f"{'opens' if those[0].opening else 'closes'} on, {100.0 * those[0].closed:.0f} % closed"
         verb = {"open": "all open", "closed": "all closed", "part closed": partly}
         if name in pulling:
             verb |= {"opens": "lets go", "closes": "begins to pull"}

@@ -480,8 +480,10 @@
     constructor(root) {
       const [header, content] = root.querySelectorAll("script");
       const data = JSON.parse(header.textContent), { texts, blobs, fields } = data;
-      const at = { state: 0, field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
-      const shown = { own: false, mesh: false, loads: false, cuts: true, supports: true, numbers: true };
+      const printed = data.states.findIndex((one) => one.printed);
+      const at = { state: Math.max(printed, 0), field: fields[0].name, plate: 0 }, angles = { around: 0, up: 90 };
+      // A path grows without limit towards the end of equilibrium: its stops have no useful common scale.
+      const shown = { own: Boolean(data.path), mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
       Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
@@ -556,6 +558,13 @@
       if (state.kind === "combination") return state.words;
       if (state.kind === "stop") return state.words ? `${state.name}: ${state.words}` : state.name;
       return `${this.texts[state.kind]}${state.name ? `: ${state.name}` : ""}`;
+    }
+
+    // Load path, combination or stop, and plate that are shown.
+    get caption() {
+      const { data, texts, plate } = this;
+      const parts = [data.path && `${texts.path} ${data.path}`, this.nameOf(this.state), data.plates.length > 1 && plate.name];
+      return parts.filter(Boolean).join(", ");
     }
 
     listen() {
@@ -1017,8 +1026,8 @@
         ticks.append(make("span", { textContent: plain(k * every, decimals, most), style: `--at: ${at(k * every)}%` }));
       const title = `${words}${unit ? ` [${unit}]` : ""}`;
       this.legend.replaceChildren(make("div", { className: "title" }, make("b", { textContent: title }),
-        make("span", { textContent: `${this.nameOf(this.state)}${this.data.plates.length > 1 ? `, ${this.plate.name}` : ""}` })), bar, ticks);
-      this.canvas.setAttribute("aria-label", `${title}, ${this.nameOf(this.state)}. ${this.texts.map}`);
+        make("span", { textContent: this.caption })), bar, ticks);
+      this.canvas.setAttribute("aria-label", `${title}, ${this.caption}. ${this.texts.map}`);
     }
 
     drawKey() {

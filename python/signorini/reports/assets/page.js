@@ -90,20 +90,31 @@
   window.addEventListener("afterprint", () => { for (const one of closed.splice(0)) one.open = false; });
 
   // Fields and states of a map for paper: those with the largest and the smallest value, and of pressures some combinations.
+  // Deflections and pressures are shown for each group of combinations, a load path at one of its stops.
   const LEAST = 0.2, MOST = 6, NUMBERED = ["deflection", "pressure"];  // fields that show reactions on paper
-  const chosen = ({ states, fields, plates }) => plates.flatMap((_, plate) => fields.flatMap(({ name: field }) => {
-    const known = states.flatMap((one, state) => {
-      const about = one.plates[plate].fields[field];
-      return about ? [{ kind: one.kind, group: one.name, state, low: about.range[0], high: about.range[1] }] : [];
-    });
-    const single = known.filter((one) => one.kind === "combination");
-    const whole = known.filter((one) => !one.group && one.kind !== "combination");
-    const high = whole.find((one) => one.kind === "largest") || single.toSorted((a, b) => b.high - a.high)[0];
-    const low = whole.find((one) => one.kind === "smallest") || single.toSorted((a, b) => a.low - b.low)[0];
+  // The envelopes of largest and smallest values or, without envelopes, the single states with these values.
+  const ends = (envelopes, single) => {
+    const high = envelopes.find((one) => one.kind === "largest") || single.toSorted((a, b) => b.high - a.high)[0];
+    const low = envelopes.find((one) => one.kind === "smallest") || single.toSorted((a, b) => a.low - b.low)[0];
     if (!high) return [];
     const least = LEAST * Math.max(Math.abs(high.high), Math.abs(low?.low ?? 0));
     const sides = [...(high.high > least || !low ? [high] : []), ...(low && low.low < -least ? [low] : [])];
-    const kept = [...sides.length ? sides : [high], ...(field === "pressure" ? single.slice(0, MOST) : [])];
+    return sides.length ? sides : [high];
+  };
+  const chosen = ({ states, fields, plates }) => plates.flatMap((_, plate) => fields.flatMap(({ name: field }) => {
+    const known = states.flatMap((one, state) => {
+      const about = one.plates[plate].fields[field];
+      const { kind, name, group = name, mixed, printed } = one;
+      return about ? [{ kind, group, mixed, printed, state, low: about.range[0], high: about.range[1] }] : [];
+    });
+    const single = known.filter((one) => one.kind === "combination"), stops = known.filter((one) => one.printed);
+    const envelopes = known.filter((one) => ["largest", "smallest"].includes(one.kind) && (NUMBERED.includes(field) ? !one.mixed : !one.group));
+    const groups = [...new Set(single.map((one) => one.group))];
+    const kept = stops.length ? stops : [
+      ...[...new Set(envelopes.map((one) => one.group)), ...(envelopes.length ? [] : [""])].flatMap((group) =>
+        ends(envelopes.filter((one) => one.group === group), single)),
+      ...(field === "pressure" ? groups.flatMap((group) =>
+        single.filter((one) => one.group === group).slice(0, Math.ceil(MOST / groups.length))) : [])];
     return [...new Set(kept.map((one) => one.state))].map((state) => ({ state, field, plate }));
   }));
 
