@@ -243,7 +243,7 @@ def test_where_no_other_mesh_can_be_solved_a_warning_says_why(
     one = written["table"] if kind == "table" else written["combinations"][0]
     assert (written["envelope"] if kind == "table" else one)["plus_minus"] is None
     (said,) = [sentence for sentence in one["warnings"] if "±" in sentence]
-    assert said.startswith("No half-width (±) says how far the mesh is from the plate; ")
+    assert said.startswith("The mesh error of the numbers is unknown: they have no half-width (±); ")
     assert why in said
     assert ("half its size" in said) == (step != "meshes_beside")
 

@@ -23,8 +23,8 @@ pub struct Settings {
 impl ContactProblem {
     /// Solves one load by the method for which the plate is factored.
     ///
-    /// `start` is the solution of another load. Its contact state is the first trial; the Newton method also starts
-    /// from its displacements and reactions.
+    /// `start` is the solution of another load. Lemke's algorithm tries its contact state first; the Newton method
+    /// starts from its displacements and reactions.
     pub fn solve(
         &self,
         load: &Load,
@@ -92,8 +92,9 @@ impl ContactProblem {
         }
     }
 
-    /// Solves many loads, each (3n,), by the Newton method. Each result is as from [`ContactProblem::solve`]. `watch`
-    /// is called repeatedly and cancels by returning false.
+    /// Solves many loads, each (3n,), by the Newton method. All loads share the first factor. Unlike
+    /// [`ContactProblem::solve`], this function seeks no exact solution on a contact state. `watch` is called repeatedly
+    /// and cancels by returning false.
     pub fn solve_together(
         &self,
         start: Option<&ContactSolution>,

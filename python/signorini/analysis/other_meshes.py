@@ -141,7 +141,7 @@ def without(count: int, why: str) -> str:
     With ``count`` 2, the two meshes are not the first that were tried.
     """
     what = (
-        "No half-width (±) says how far the mesh is from the plate",
+        "The mesh error of the numbers is unknown: they have no half-width (±)",
         "Half-widths (±) come from one other mesh alone",
         "Half-widths (±) come from other meshes than the first that were tried",
     )

@@ -648,7 +648,10 @@ def schema(
 )
 def explain(
     key: Annotated[
-        str, typer.Argument(metavar="KEY", help="A key, a number, a column or an error.", show_default=False)
+        str,
+        typer.Argument(
+            metavar="KEY", help="A key, name of a number, column of a table, or error class.", show_default=False
+        ),
     ],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:

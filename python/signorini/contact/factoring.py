@@ -93,7 +93,7 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
-    """Order and factor for a method; ``carried`` (m,) is the stiffness of each contact point in the factor.
+    """Order and factor for a method; ``carried`` (m,) is δ, the stiffness of each condensed point in K̃.
 
     In the context of a `Reuse`, ordering and factor are those of the latest problem of the same plate if its supports
     are the same except for laws, gaps and stiffnesses; the factor, only if these leave it unchanged.

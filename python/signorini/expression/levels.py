@@ -26,7 +26,8 @@ _NAMED = {"pi": math.pi, "e": math.e}
 
 
 _MAX_LINES = 200
-"""Largest number of steps of a ``floor`` or ``ceil`` that give lines; a mesh could not follow more."""
+"""Number of integers in the range of the argument of a ``floor`` or ``ceil`` from which on its steps give no lines,
+because a mesh could not follow them."""
 Box = tuple[float, float, float, float]
 
 

@@ -147,7 +147,8 @@ class SupportResult(Remade):
     yielded : (k,) array
         Mask of the points whose reaction reaches the limit.
     pieces : (k,) array or None
-        Piece of its law on which each point is, from 0 in the order of travel; None without a law or a limit.
+        Piece of its law on which each point is, from 0 in the order of travel; None without a law or a limit, and for
+        supports along lines and on areas.
     moments : (k, 2) array or None
         Couples on θx and θy that points with a rotational stiffness exert on the plate; None without such a stiffness.
     tightened_to : (k,) array or None
@@ -231,7 +232,7 @@ class SupportResult(Remade):
 
     @property
     def yielded_area(self) -> float | None:
-        """Area in which the limit is reached, from the deflection field of an elastic area; None without limit."""
+        """Area in which the limit is reached, from deflections of an elastic area; None if the force is unbounded."""
         return self.numbers.get("yielded_area")
 
     @property

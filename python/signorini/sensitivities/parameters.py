@@ -52,7 +52,9 @@ class Parameter:
 
     @classmethod
     def of(cls, path: str, model: Model, tables: Mapping[str, Any], combination: Combination) -> Parameter:
-        """Resolve a path as a study does; ``case.NAME.factor`` is the factor of a case in the combination.
+        """Parameter at a key path such as ``support.soil.stiffness``, which studies use too.
+
+        ``case.NAME.factor`` is the factor of the load case NAME in the combination.
 
         Raises
         ------

@@ -107,7 +107,7 @@ impl<'a> Factored<'a> {
         self.shared.is_some() && self.own.is_none()
     }
 
-    /// Stiffness of a point on a piece of its law, in series with the point's penalty σ.
+    /// Stiffness of a point on a piece of its law, in series with the point's augmentation compliance σ.
     pub(in crate::contact) fn slope(&self, i: usize, piece: u8) -> f64 {
         self.problem.points.piece(i, piece).in_series(self.series[i])
     }
