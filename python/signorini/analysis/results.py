@@ -174,8 +174,8 @@ class Results(States[str], Mapping[str, Result]):
     def governing_value(self, name: str) -> tuple[float, int] | None:
         """Value of a number in the combination in which it governs, and the number of the combination from 0.
 
-        The largest value of maxima and utilisations governs, the smallest of minima, of other numbers that with the
-        largest magnitude. None if no combination has the number.
+        For maxima and utilisations the largest value governs, for minima the smallest, and for other numbers the value
+        with the largest magnitude. None if no combination has the number.
         """
         catalogue = self.combined.layout.catalogue
         place = catalogue.by_name[name]

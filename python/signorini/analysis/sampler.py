@@ -95,7 +95,7 @@ def load_named(discretisation: Discretisation, name: str | None, argument: str) 
 
 @dataclass(eq=False)
 class State:
-    """Certified answer at t, the answer's stop of the path, and the margins of the supports."""
+    """Certified answer at t, the `PathStop` made from it, and the margins of the supports."""
 
     t: float
     answer: Answer

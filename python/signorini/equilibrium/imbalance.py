@@ -452,7 +452,7 @@ def nearest_limit(
 
 
 def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
-    """Whether an arbitrarily small shift of a load that reactions balance would end its equilibrium."""
+    """Whether equilibrium is marginal: reactions balance the load, but not after an arbitrarily small shift of it."""
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return False

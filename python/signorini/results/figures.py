@@ -205,7 +205,7 @@ def check_names(checks: Sequence[Check]) -> dict[str, Any]:
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
-    """JSON of names and positions of sections and strips; the numbers of their catalogue are added by `put`."""
+    """JSON of sections and strips with names and positions; `put` writes results at the paths of the catalogue."""
     lines = [{"name": section.name, "length": section.length} for section in sections]
     return {"sections": lines, "strips": [_strip(strip) for strip in strips]}
 

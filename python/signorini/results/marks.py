@@ -276,7 +276,10 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def resultant_of(discretisation: Discretisation, case: str) -> tuple[float, float, float]:
-    """Force, positive down, and couples (mx, my) about the plate's middle of a load case; rounding errors are 0."""
+    """Resultant of a load case: force, positive down, and couples (mx, my) about the plate's middle.
+
+    A sum that is only rounding is set to 0.
+    """
     weighing, motions = discretisation.cases[case].weighing, discretisation.rigid_motions
     total, most = (each.reshape(-1, 3).sum(axis=0) for each in (weighing @ motions, np.abs(weighing) @ np.abs(motions)))
     force, mx, my = np.where(np.abs(total) > NO_FORCE * most, total, 0.0).tolist()

@@ -23,7 +23,7 @@ def hull(points: Floats) -> Floats:
     >>> hull(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]])).tolist()
     [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]]
     """
-    # A line through the points has their hull, and is made much faster than so many points.
+    # A polyline through the points has the same convex hull; shapely makes one polyline faster than many points.
     convex = shapely.convex_hull(shapely.linestrings(np.concatenate([points, points[:1]])))
     size = float(np.ptp(points, axis=0).max())
     corners = shapely.get_coordinates(shapely.simplify(convex, _ON_LINE * size))
@@ -52,8 +52,9 @@ class Tolerances:
     def place(self) -> float:
         """Largest distance of two points that count as equal.
 
-        The rows of G of closer points differ by less than rounding: with 1e-9 in place of 1e-8, two rigid points with a
-        spring beside them changed deflections by 3 %.
+        Each contact point has a row in the constraint matrix G. If two points are closer, their rows differ by less
+        than rounding. With 1e-9 in place of 1e-8, two such rigid points with a spring beside them changed
+        deflections by 3 %.
         """
         return 1e-8 * self.extent
 

@@ -71,8 +71,9 @@ def solved(variant: Variant) -> Row:
     """Solve a variant; return its row.
 
     ``status`` is "solved", "no_equilibrium" if a combination has none, "not_certified", "refused" if the model is
-    invalid, or "failed"; ``message`` is the reason. A result is the value of the governing combination: the largest
-    value of extremes and utilisations, of other numbers that with the largest magnitude.
+    invalid, or "failed"; ``message`` is the reason. A result is its value in the governing
+    combination: the largest value for maxima and utilisations, the smallest for minima, and the value with the largest
+    magnitude for other numbers.
 
     Raises
     ------
