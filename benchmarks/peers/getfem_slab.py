@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from slab import BEARINGS, PATCH, POISSON, RIGID, SIDE, SOIL, THICKNESS, UNIFORM, YOUNG, Grid, main, missing
 
 try:
     import getfem as gf
+    import numpy as np
     from getfem_plate import plate
 except ImportError:
     missing("GetFEM (Debian: python3-getfem)")

@@ -20,7 +20,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError:
+    np = None  # Debian's Python without python3-getfem, which brings NumPy; `missing` then says so.
 
 SIDE, THICKNESS, YOUNG, POISSON, SOIL = 10.0, 0.3, 30e9, 0.2, 30e6
 UNIFORM, PATCH, PATCH_ENDS = 2e3, 500e3, (0.5, 1.5)
