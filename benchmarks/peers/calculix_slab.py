@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from slab import POISSON, THICKNESS, YOUNG, Grid, main, missing
+from absent import missing
+from slab import POISSON, THICKNESS, YOUNG, Grid, main
 
 MOST_SOLUTIONS = 30
 """Largest number of solutions of a slab."""

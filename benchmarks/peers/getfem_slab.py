@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from slab import BEARINGS, PATCH, POISSON, RIGID, SIDE, SOIL, THICKNESS, UNIFORM, YOUNG, Grid, main, missing
+from absent import missing
 
 try:
     import getfem as gf
     import numpy as np
     from getfem_plate import plate
+    from slab import BEARINGS, PATCH, POISSON, RIGID, SIDE, SOIL, THICKNESS, UNIFORM, YOUNG, Grid, main
 except ImportError:
     missing("GetFEM (Debian: python3-getfem)")
 MOST_SOLUTIONS = 20

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from slab import POISSON, THICKNESS, YOUNG, Grid, main, missing
+from absent import missing
+from slab import POISSON, THICKNESS, YOUNG, Grid, main
 
 try:
     import openseespy.opensees as ops

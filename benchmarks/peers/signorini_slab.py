@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from slab import BEARINGS, PATCH, PATCH_ENDS, POISSON, SIDE, SOIL, THICKNESS, UNIFORM, YOUNG, Grid, main, missing
+from absent import missing
+from slab import BEARINGS, PATCH, PATCH_ENDS, POISSON, SIDE, SOIL, THICKNESS, UNIFORM, YOUNG, Grid, main
 
 try:
     from signorini import Model

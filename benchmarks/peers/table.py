@@ -20,7 +20,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from slab import MISSING
+from absent import MISSING
 
 HERE = Path(__file__).parent
 DEBIAN = "/usr/bin/python3"
