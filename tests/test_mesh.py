@@ -121,10 +121,13 @@ def test_a_circle_much_smaller_than_the_core_of_a_disc_changes_no_element():
     assert len(mesh.elements) - len(plain.elements) == len(mesh.edges["rim"])
 
 
-def test_an_annulus_has_the_divisions_asked_for():
-    mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, 10), radii=[1.3])
-    assert len(mesh.elements) == 30
-    assert len(mesh.edges_along(Ring((0.0, 0.0), 1.3))) == 10
+@pytest.mark.parametrize(("asked", "around"), [(12, 12), (9, 12)])
+def test_an_annulus_has_the_divisions_asked_for_rounded_up_to_a_multiple_of_four(asked, around):
+    mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, asked), radii=[1.3])
+    assert len(mesh.elements) == 3 * around
+    assert len(mesh.edges_along(Ring((0.0, 0.0), 1.3))) == around
+    for mirrored in (mesh.points * [-1, 1], mesh.points * [1, -1]):
+        assert np.abs(mirrored[:, None] - mesh.points).max(axis=2).min(axis=1).max() < 1e-12
 
 
 def area_to_the_left(mesh, edge):

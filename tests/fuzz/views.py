@@ -125,12 +125,12 @@ def tables(rng: Random, view: View) -> Tables:
             divisions = view.sides(*rows)
         case "disc":
             plate = {"shape": "disc", **circle((0.5 * width, 0.5 * height), 0.5 * min(width, height))}
-            edges, divisions = ["rim"], [rng.randint(3, 6), 4 * rng.randint(3, 6)]
+            edges, divisions = ["rim"], [rng.randint(3, 6), rng.randint(9, 24)]
         case "annulus":
             inner, outer = 0.15 * min(width, height), 0.5 * min(width, height)
             plate = {"shape": "annulus", "inner": view.unit * inner, "outer": view.unit * outer}
             plate |= {"center": view.at(0.5 * width, 0.5 * height)}
-            edges, divisions = ["inner", "outer"], [rng.randint(2, 5), 4 * rng.randint(3, 5)]
+            edges, divisions = ["inner", "outer"], [rng.randint(2, 5), rng.randint(9, 20)]
         case "steps":
             x, y = number(0.3 * width, 0.7 * width), number(0.3 * height, 0.7 * height)
             corners = [(0, 0), (width, 0), (width, y), (x, y), (x, height), (0, height)]

@@ -102,12 +102,14 @@ def annulus(
 ) -> Mesh:
     """Mesh an annulus, or a sector of ``sector`` degrees from the x axis.
 
-    ``divisions`` are the numbers of elements along a radius and along the circumference. Circles of ``radii`` are
-    followed as far as `subdivide` can. The edges are inner and outer; a sector also has start (at angle 0) and end.
+    ``divisions`` are the numbers of elements along a radius and along the circumference. The latter is rounded up to a
+    multiple of 4 in a full annulus, so that its mesh is symmetric to both axes. Circles of ``radii`` are followed as
+    far as `subdivide` can. The edges are inner and outer; a sector also has start (at angle 0) and end.
     Nodes of circles are exactly on them.
     """
     radial, around = divisions
     closed = sector == 360.0
+    around = -(-around // 4) * 4 if closed else around
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
     columns = slice(-1) if closed else slice(None)
