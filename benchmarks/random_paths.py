@@ -331,7 +331,7 @@ def idle(found):
         seen = 0.0
         for segment in (before, after):
             a, b = segment.begin.t, segment.end.t
-            on = solved_on(found, 0.5 * (a + b), segment.closed)
+            on = solved_on(found, 0.5 * (a + b), segment.pieces)
             if on is None:
                 return
             points = after.begin.points
