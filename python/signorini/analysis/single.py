@@ -174,7 +174,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
     """Solve every combination as a row of a table, and write the rows to the file ``table`` unless it is None."""
     if table is None:
         return solve_rows(problem, watcher)
-    # pyarrow is imported only here.
+    # This import loads pyarrow, which is needed for Parquet files only.
     from signorini.formats.parquet import writing
 
     try:
