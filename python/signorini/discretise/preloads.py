@@ -62,7 +62,7 @@ def require_preloads(
                         raise InputError(
                             f"found {factor * force[worst]:g}{times}; at "
                             f"{point(contacts.positions[bolts][worst], mesh.size)} the bolt gives "
-                            f"{strength[bolts][worst]:g} at most. Tighten it less, or raise its limit or law.",
+                            f"{strength[bolts][worst]:g} at most. Tighten the bolt less, or raise its limit or law.",
                             place=where,
                         )
 
@@ -75,7 +75,7 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
         if number not in numbers:
             raise InputError(
                 "rigid supports hold the plate both ways there, so that the force of the bolt would not depend on the "
-                "load. Leave out its preload, or give those supports a stiffness.",
+                "load. Leave out the preload, or give these supports a stiffness.",
                 place=("support", index, key, number),
             )
 

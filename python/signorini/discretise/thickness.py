@@ -27,7 +27,7 @@ _BESIDE = 2e-3
 """Distance from a step of the thickness at which its two sides are evaluated, in reference coordinates."""
 
 _SHORT = 1e-3
-"""Least length of a piece of a step, relative to the element size; the direction of shorter pieces is rounding."""
+"""Least length of a piece of a step, relative to the element size; shorter pieces have no accurate direction."""
 
 _SOFTEST = 1e-9
 """Least rigidity across a step, relative to the rigidity along the step.

@@ -22,7 +22,7 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
-    # Most sides and outlines are straight, so that the degree is 1.
+    # The degree is that of the nonzero coefficients: 1 for straight sides and outlines, as most are.
     degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
     coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
