@@ -173,7 +173,7 @@ def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
             else "Rectangles without holes, and discs and annuli without holes and mesh.refine, have no triangles."
         )
         raise InputError(
-            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r is a quadrilateral only. Leave element "
+            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r has quadrilaterals only. Leave element "
             f'out: the default "mitc9" has triangles and quadrilaterals. {without}',
             place=("plate", "element"),
         )
