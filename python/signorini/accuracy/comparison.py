@@ -349,7 +349,7 @@ def _signs(numbers: Sequence[Number]) -> Floats:
 
 
 def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
-    """Row of each number at a probe or a station of a strip, by kind of place, its indices and the quantity's name."""
+    """Rows of the numbers at probes and at stations of strips; the key is kind of place, owner, part, quantity."""
     local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
     return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
 

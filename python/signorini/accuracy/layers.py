@@ -162,6 +162,6 @@ def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
 
 
 def _left(thickness: float, size: float) -> float:
-    """Part of the layer, 0 to 1, that elements of a given size do not resolve, by `_SEEN`."""
+    """Part of the layer, 0 to 1, that elements with sides of length ``size`` do not resolve; formula at `_SEEN`."""
     seen = _SEEN * thickness / size
     return 1.0 - seen * math.tanh(1.0 / seen)

@@ -160,7 +160,7 @@ class Sampler:
         return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
-        """Value, at a state, of the function that a watch names."""
+        """Value at a state of the function ``watch``, whose sign changes at an event."""
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]

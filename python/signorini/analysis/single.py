@@ -109,7 +109,7 @@ def _solve(
     discretisation = problem.discretisation
 
     def surely_balanced(load: CaseLoad) -> bool:
-        """Whether the load does no work in any motion that the supports allow; then reactions balance the load."""
+        """Whether the load does no positive work in any motion that supports allow, so that reactions balance it."""
         if rays is None:
             return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)

@@ -269,7 +269,7 @@ class Discretisation(Remade):
         return np.tile([1.0, self.mesh.size, self.mesh.size], len(self.members))
 
     def in_motions(self, positions: Floats, elements: Ints) -> Floats:
-        """Deflections (q, 3p) of the modes `scaled_motions` at positions (q, 2) in elements (q,)."""
+        """Deflections (q, 3p) of the rigid-body modes `scaled_motions` at positions (q, 2) in elements (q,)."""
         linear = np.column_stack([np.ones(len(positions)), (positions - self.middle) / self.mesh.size])
         firsts = [plate.elements.start for plate in self.members]
         result = np.zeros((len(linear), len(firsts), 3))

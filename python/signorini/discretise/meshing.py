@@ -264,7 +264,8 @@ def _straight(shape: Region | Curve) -> Floats:
 def _axes(model: Model, plate: OutlinedPlate) -> Axes:
     """Axes in which the mesher works; they do not depend on the axes in which the plate is given.
 
-    The outline decides, then zones, supports, loads and probes in the order of the input.
+    The outline determines the axes. If it leaves a choice, zones, refinements, supports, loads, sections, strips,
+    moving loads and probes decide, in this order.
     """
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]

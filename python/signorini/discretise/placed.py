@@ -52,8 +52,8 @@ class Footprints:
         if across < _LEAST * mesh.size:
             key = "patch" if item.radius is None else "radius"
             raise InputError(
-                f"The footprint is {across:g} across, less than a billionth of the plate's size. Leave {key} out for a "
-                "point without footprint, or give a larger footprint.",
+                f"The footprint is {across:g} across, less than a billionth of the plate's size. Give a larger "
+                f"footprint, or a point without {key}.",
                 place=(*place, key),
             )
         result, problems = [], Problems()

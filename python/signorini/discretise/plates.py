@@ -68,8 +68,8 @@ def _advice(argument: object) -> str:
 class _Joint:
     """Contact points of a support between two plates.
 
-    Their rows are over both plates, with elements of the upper plate first. ``support``, ``upper`` and ``lower`` are
-    indices in the whole model.
+    Their rows are over the dofs of both plates, with elements of the upper plate first. ``support``, ``upper`` and
+    ``lower`` are indices in the whole model.
     """
 
     support: int

@@ -18,7 +18,7 @@ from signorini.model import Model, Tightening
 def bolt_groups(
     model: Model, contacts: ContactPoints, bolt_round: Tightening, place: Place = ()
 ) -> list[tuple[int, Ints, Floats]]:
-    """Return the groups of a round as (order, points (k,), forces (k,)); forces are positive.
+    """Return the groups of bolts of a round of tightening as (order, points (k,), forces (k,)); forces are positive.
 
     A support with a preload has a group for each value of ``order``; a [[tightening]], for each entry of ``sequence``.
     """

@@ -107,7 +107,7 @@ def _units(discretisation: Discretisation) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Data that certificate errors of sums are computed from.
+    """Data from which the certificate errors of sums of terms are computed.
 
     ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows times rigid motions. ``grip`` (m, 1) is the
     largest entry of each contact row.

@@ -167,7 +167,7 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
 
 
 def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
-    """The levels that change sign in at least one element, according to the mask ``across`` (levels, k)."""
+    """Select the level functions that change sign in at least one element, by their mask ``across`` (levels, k)."""
     return [level for level, crossed_elements in zip(levels, across, strict=True) if crossed_elements.any()]
 
 
@@ -189,7 +189,7 @@ def cut_by(
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
-    # Pieces of steps, collected from an empty array: the samples may detect no step.
+    # The list of step pieces begins with an empty array, since the samples may detect no step.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(_DEEPEST + 1):
         if not len(owner):
