@@ -253,7 +253,7 @@ def compared(
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
     _widen_absent(widths, numbers, own)
-    # Where max(0, g) is zero, its half-width is only the part of g ± width that exceeds zero.
+    # Where a design moment max(0, g) is zero, its half-width is only the part of g ± width above zero.
     widths = np.where(signs * own < 0.0, np.maximum(widths + signs * own, ROUNDING * largest), widths)
     return rounded(np.where(growing | unresolved, np.nan, widths)), growing
 

@@ -324,7 +324,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
     worst = [step.worst for step in steps]
     left = f"The accuracy of {asked:g} that was asked for is not reached: {reached.said(asked)}"
     if len(steps) == _MOST_STEPS:
-        return None, f"{left}. It is the last of {_MOST_STEPS} meshes; begin with smaller elements."
+        return None, f"{left}. This mesh is the last of {_MOST_STEPS} meshes; begin with smaller elements."
     tried = steps[-_TRIED - 1 :]
     if (
         len(steps) > _TRIED

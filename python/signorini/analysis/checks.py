@@ -28,7 +28,7 @@ class CheckResult:
     of: str  # the field or number that the check measures
     value: float | None  # measured value; for overturning 1/λ with the largest load factor λ; None if it is infinite
     limit: float | None  # limit for values with the sign of this value
-    utilisation: float | None  # value / limit
+    utilisation: float | None  # ratio of value to limit
     plus_minus: float | None  # half-width of the utilisation
     governing: str | None  # name of the combination with the largest utilisation
     # position of the extreme of a field, a pressure or a strip; else the name of the object, such as "probe[1]"

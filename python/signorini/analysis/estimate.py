@@ -201,7 +201,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
         return np.array(rows)
 
     def half_width(self, column: str, row: int | str) -> float | None:
-        """Return the half-width of a number of the table; None if it has none.
+        """Return the half-width of a number of the table; None if it is unknown.
 
         Parameters
         ----------

@@ -26,8 +26,8 @@ from signorini.results.path_stop import PathStop, Switched, path_stops
 _SAME = 1e-6
 """Relative tolerance for equal deflections, relative to the largest deflection, and for equal work."""
 _MOVED = 1e-9
-"""Tolerance for equal work, relative to Σ |nodal load × displacement|: where the plate moves freely, the rounding error
-of t changes the work by such a part.
+"""Tolerance for equal work, relative to Σ |nodal load × displacement|. Where the plate moves freely, the rounding error
+of t changes the work by about this part of the sum.
 """
 _AT = 1e-12
 """Rounding error of t at an event, relative to t. Where the loads at t = 0 and t·add cancel, this part of either load

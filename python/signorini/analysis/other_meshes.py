@@ -54,7 +54,7 @@ class OtherMeshes:
     watcher: Watcher
     """Called with a `Progress` for each step. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Seconds that the solution on the model's own mesh took, for as many solutions as there are expected ``calls``."""
+    """Duration in seconds of the solution on the model's own mesh, the expected ``calls`` together."""
     calls: int = 1
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)

@@ -69,9 +69,9 @@ class Rows:
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
     def slope_along(self, along: Floats, other: Rows) -> Rows:
-        """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and θy (``other``).
+        """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and of θy (``other``).
 
-        Both are in the same elements.
+        The rows of θx and θy have the same elements.
         """
         further, beyond = self.further, along[self.further.owners]
         coefficients, further_coefficients = (

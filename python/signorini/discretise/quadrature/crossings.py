@@ -115,7 +115,7 @@ def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
 
 
 def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Indices (p,) into two tables of all pairs of entries with the same owner; the tables give each entry's owner."""
+    """All pairs of an entry of one table and an entry of another with equal owner: indices (p,) into either table."""
     order = np.argsort(others, kind="stable")
     first, stop = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
     count = stop - first

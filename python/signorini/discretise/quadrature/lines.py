@@ -207,7 +207,7 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
     """
     sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
-        # Sides along the circle are omitted: crossings at their midside nodes make more pieces than free deflections.
+        # Sides along the circle are omitted: crossings at midside nodes would make more pieces than free deflections.
         along = mesh.sides_on(curve)
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]

@@ -223,7 +223,7 @@ class _Followed:
         self.beyond = np.where(self.inside, self.reach, 0.0)
 
     def taken(self, near: Near) -> Floats:
-        """Factor of v at points: 1 beside the line, 0 beyond an end inside the plate, a half at the end itself."""
+        """Factor of the virtual displacement v at points: 0 beyond an end inside the plate, ½ at the end, else 1."""
         taken, lengths = np.ones(len(near.piece)), self.line.lengths
         for end, (piece, past) in enumerate(((0, -near.station), (len(lengths) - 1, near.station - lengths[-1]))):
             if self.inside[end]:
