@@ -378,7 +378,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     for index, profile in enumerate(model.profile):
         if not mesh.locate(profile.places[1]).inside.any():
             with problems.collected():
-                raise InputError("None of its stations is on the plate. Move the line.", ("profile", index))
+                raise InputError("No station of the profile is on the plate. Move its line.", ("profile", index))
     problems.raise_collected()
     # If this plate has supports to other plates, module `plates` checks the domain of all plates with these supports.
     if not any(support.between for support in model.support):

@@ -198,7 +198,7 @@ def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
     """Mask (k,) of sides of which an area covers only one of both elements; ``pairs`` are as in `_jumps`."""
     elements = np.repeat(pairs.ravel() // 4, 2)
     begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
-    # The second element traverses the side in the opposite direction.
+    # The second of the two elements at a side traverses this side in the opposite direction.
     station = np.stack([_STATIONS, _STATIONS[::-1]])[np.arange(pairs.size) % 2].ravel()[:, None]
     beside = mesh.inward(elements, begin + station * (end - begin), 1.0 - _ASIDE)
     covered = area.contains(mesh.map(elements, beside)).reshape(-1, 2, 2)

@@ -142,7 +142,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Table):
-    """Cells of cut elements ``owner`` (c,): ranges in x (c, 2), lower and upper curves (c, 2), vertical end tangents."""
+    """Cells of cut elements ``owner`` (c,): range in x (c, 2), lower and upper curve (c, 2), vertical end tangents."""
 
     owner: Ints
     x: Floats

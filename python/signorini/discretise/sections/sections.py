@@ -299,7 +299,7 @@ def _of_supports(
 
 def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
     """Whether points with the indices ``rows`` (q,) are outline points of an area that acts on means of elements."""
-    # Only points of such areas are tested: other points, such as those of footprints, may lie outside their element.
+    # Only points of areas with means are tested: other points, such as footprints, may lie outside their element.
     result = points.averaged[rows]
     rows = rows[result]
     elements = points.rows.elements[rows]
