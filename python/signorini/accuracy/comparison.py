@@ -284,8 +284,8 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
         warnings.append(
-            f"As the mesh is refined these numbers grow and show no limit: {named_numbers(growing, model, probes)}. The "
-            "named singularities give the reason and the remedy."
+            f"As the mesh is refined these numbers grow and show no limit: {named_numbers(growing, model, probes)}. "
+            "The named singularities give the reason and the remedy."
         )
     return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
 

@@ -61,9 +61,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     ]
     count, wanted = len(watches), len(path.thresholds)
     if not _has_estimate(path):
-        why = (
-            "the path was interrupted." if path.interrupted else 'paths with events = "all" are not compared on meshes.'
-        )
+        why = "the path was interrupted." if path.interrupted else 'paths with events = "all" are solved on one mesh.'
         return PathEstimate.nothing(count, wanted, (without(0, why),))
 
     def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:

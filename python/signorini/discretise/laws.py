@@ -198,7 +198,7 @@ class Law:
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
             # The number of vertices with smaller forces is the index of the piece with the least travel at a force.
-            # With vertices of equal force included, this number is the index of the piece with the largest travel.
+            # The number of vertices with smaller or equal forces is the index of the piece with the largest travel.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)

@@ -19,7 +19,7 @@ _BLOCK = 1 << 20
 
 @kept
 def _freedom(discretisation: Discretisation) -> tuple[RigidFreedom, Floats | None]:
-    """Free rigid motions of the plate, and the extreme rays (r, d) of those that the supports allow."""
+    """Free rigid motions of the plate, and the extreme rays (r, d) of the cone of motions that the supports allow."""
     freedom = rigid_freedom(discretisation)
     return freedom, allowed_motions(freedom.outline)
 
