@@ -169,7 +169,7 @@ def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
         faces = (bars.bottom_x, bars.bottom_y) if on_raft else (bars.top_x, bars.top_y)
         d = d or (thickness / length - faces[0], thickness / length - faces[1])
         rho, fck, fyk = table.rho or (bars.least, bars.least), fck or own.fck, fyk or own.fyk
-    assert d is not None and fck is not None and fyk is not None  # Models without [reinforcement] must give these.
+    assert d is not None and fck is not None and fyk is not None  # All three are required without [reinforcement].
     if min(d) <= 0.0:
         raise InputError("The plate is thinner than the distance of its bars from the face. Give the depth d.")
     given, depths = None if table.beta == "computed" else table.beta, (length * d[0], length * d[1])
