@@ -83,7 +83,7 @@ def slab() -> SimpleNamespace:
         (lambda s: solve(3), f"model: found 3; {MODEL}"),
         (
             lambda s: contact_problem({}),
-            "model: found {}; it must be a Model. Make one of the mapping first: signorini.validate(mapping).",
+            "model: found {}; it must be a Model. Make a Model from the mapping first: signorini.validate(mapping).",
         ),
         (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
         (lambda s: signorini.validate(None), "found no value; it must be a table"),

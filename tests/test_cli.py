@@ -200,8 +200,7 @@ def test_check_replaces_its_own_picture_and_no_file_of_others(slab: Path) -> Non
     done = run("check", slab)
     assert done.exit_code == 2
     assert done.stderr == (
-        f"Error: {picture}: it is there already, and it is no picture that signorini drew. Move it, or name another "
-        "file with -o.\n"
+        f"Error: {picture}: this file exists, and signorini did not draw it. Move it, or name another file with -o.\n"
     )
     assert picture.read_bytes() == b"\x89PNG a photograph"
     assert run("check", slab, "-o", picture).exit_code == 0

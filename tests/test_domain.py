@@ -241,7 +241,7 @@ def test_beside_rigid_supports_that_hold_the_plate_a_bed_may_be_soft_and_as_stif
     bed = {"name": "soft", "area": "all", "resists": "down"}
     assert is_certified(model(CORNERS, bed | {"stiffness": stiffness(part)}))
     refused = said(model(WALL, bed | {"stiffness": stiffness(0.99e-14)}))
-    assert "soft is as soft as a bed under all of the plate with kL⁴/D = 9.9e-15; it must be 1e-14 or more" in refused
+    assert "soft is as soft as a bed under the whole plate with kL⁴/D = 9.9e-15; it must be 1e-14 or more" in refused
 
 
 def test_a_soft_bed_carries_what_its_stiffness_says() -> None:
@@ -308,8 +308,8 @@ def test_ribbons_and_their_elements(thickness) -> None:
             ribbon(0.5)
         words = said(ribbon(1.0, across=2))
         assert words == (
-            "mesh: The element at [500, 0.25] is 1000 long and 0.5 wide or thick, 2000 to 1; at most 1000 to 1 are in "
-            "the domain. Take 2 times as many along their longer sides, or fewer across; or calculate a beam."
+            "mesh: The element at [500, 0.25] is 1000 long and 0.5 wide or thick, 2000 to 1; at most 1000 to 1 is in "
+            "the domain. Take 2 times as many elements along their longer sides, or fewer across; or calculate a beam."
         )
 
 

@@ -172,7 +172,7 @@ def test_a_name_among_thousands_is_told_the_nearest():
     ("given", "says"),
     [
         ("slab.toml", "model: found 'slab.toml'; it must be a Model. Load the file first: signorini.load(file)."),
-        ({}, "model: found {}; it must be a Model. Make one of the mapping first: signorini.validate(mapping)."),
+        ({}, "model: found {}; it must be a Model. Make a Model from the mapping first: signorini.validate(mapping)."),
         (None, "model: found None; it must be a Model. Make one with signorini.Model(...) or signorini.load(file)."),
     ],
 )

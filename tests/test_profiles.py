@@ -78,7 +78,7 @@ def test_stations_off_the_plate_have_no_values(tmp_path):
     [
         ({}, r"profile\[1\]: give exactly one of line and circle"),
         ({"line": [[0, 0], [1, 1]], "circle": {"radius": 1}}, r"profile\[1\]: give exactly one of line and circle"),
-        ({"line": [[0, 5], [4, 5]]}, r"profile\[1\]: None of its stations is on the plate"),
+        ({"line": [[0, 5], [4, 5]]}, r"profile\[1\]: No station of the profile is on the plate"),
     ],
 )
 def test_what_is_wrong_with_a_profile_is_told_with_its_place(profile, message):

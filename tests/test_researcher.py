@@ -190,7 +190,7 @@ def test_reactions_that_are_not_the_answer_are_refused(wrong: str) -> None:
 
 def test_a_contact_set_that_holds_nothing_is_refused() -> None:
     problem = contact_problem(model({"at": [[1, 1], [3, 1], [3, 2], [1, 2]], "resists": "down"}))
-    with pytest.raises(NotCertifiedError, match="the plate is not held"):
+    with pytest.raises(NotCertifiedError, match="the rows that push do not hold the plate"):
         recover(problem, "all", [1e4, 0, 0, 0])
 
 

@@ -37,7 +37,7 @@ def test_a_wall_that_ends_beside_an_edge_is_refused_with_the_snap_that_joins_the
     wall = {"name": "wall", "line": [[2, 0.004], [3, 3]], **HELD}
     words = (
         r"support\[2\].line: wall holds the plate rigidly at \[2, 0.004\], 0.004 from the edge bottom of edges, "
-        r"support\[1\].edge\. .* Join them by mesh\.snap = 0\.008, move one, or give one a stiffness\."
+        r"support\[1\].edge\. .* Join them by mesh\.snap = 0\.008, move one support, or give one a stiffness\."
     )
     with pytest.raises(InputError, match=words):
         discretise(plate(EDGES, wall, snap=0.0))
@@ -107,7 +107,7 @@ def test_a_circle_becomes_the_edge_or_the_circle_that_it_nearly_is() -> None:
 
 
 def test_a_line_as_short_as_that_is_refused() -> None:
-    with pytest.raises(InputError, match=r"support\[2\]\.line: With mesh\.snap = 0\.01 it degenerates"):
+    with pytest.raises(InputError, match=r"support\[2\]\.line: With mesh\.snap = 0\.01 this line or area degenerates"):
         discretise(plate({"at": [2, 2]}, {"line": [[2.001, 2], [2.004, 2]], **HELD}, snap=0.01))
 
 

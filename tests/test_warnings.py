@@ -423,5 +423,5 @@ def test_names_keep_their_capitals_in_sentences() -> None:
 @pytest.mark.parametrize("facade", ["load", "support"])
 def test_a_line_beside_the_plate_says_by_how_much_it_misses_it(place: object, apart: str, facade: str) -> None:
     tables = {"load": [{"line_load": 2} | place], "support": [PADS, {"fix": "simple"} | place]}
-    with pytest.raises(signorini.InputError, match=rf"not on the plate.*misses it by {apart}"):
+    with pytest.raises(signorini.InputError, match=rf"not on the plate.*misses the plate by {apart}"):
         signorini.solve(model(**{facade: tables[facade]}))

@@ -85,7 +85,7 @@ class Estimate(Brief):
 
 @dataclass(frozen=True)
 class PathEstimate:
-    """Half-widths of a load path from other meshes.
+    """Half-widths of the t of events, thresholds and end of a load path, from paths on other meshes.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def compared(
     for singular, where in named:
         unresolved |= within_an_element(numbers, singular, meshes.every[0])[:, None] & where
         limited &= ~(may_grow(numbers, model, probes, singular, meshes.reach)[:, None] & where)
-    # A design moment of zero has a limit.
+    # A design moment that is zero does not grow without limit.
     signs = _signs(numbers)
     limited |= signs * own < 0.0
     changes = beside(numbers, np.abs(values[0] - values[1]))
@@ -253,13 +253,13 @@ def compared(
         if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
     _widen_absent(widths, numbers, own)
-    # Of a design moment of zero the part that exceeds zero counts.
+    # Where a design moment max(0, g) is zero, its half-width is only the part of g ± width above zero.
     widths = np.where(signs * own < 0.0, np.maximum(widths + signs * own, ROUNDING * largest), widths)
     return rounded(np.where(growing | unresolved, np.nan, widths)), growing
 
 
 def compare(result: Result, others: Sequence[Result], warning: str = "") -> Estimate:
-    """Compare a result with results on one or two other meshes; ``warning`` says why there is only one, or none."""
+    """Compare a result with results on one or two other meshes; ``warning`` says why other meshes are missing."""
     if result.plates:
         return _compare_plates(result, others, warning)
     meshes = Meshes.of(result.mesh, [one.mesh for one in others])
@@ -279,13 +279,13 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     warnings = [warning] if warning else []
     # A growing extreme of a field has no warning here, since the table of extremes names its singularity.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
-    # The plate below does not report a contact between plates; the upper plate does.
+    # A contact between two plates is named in the warning of the upper plate only.
     upon = {index for index, support in enumerate(result.supports) if support.upon}
     growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
         warnings.append(
-            f"As the mesh is refined these grow and show no limit: {named_numbers(growing, model, probes)}. The "
-            "named singularities give the reason and the remedy."
+            f"As the mesh is refined these numbers grow and show no limit: {named_numbers(growing, model, probes)}. "
+            "The named singularities give the reason and the remedy."
         )
     return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
 
@@ -320,14 +320,15 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
 
 
 def _with_checks(result: Result, widths: Floats) -> Floats:
-    """Half-widths (n,) of a result with those of its checks."""
+    """Half-widths (n,) of a result's numbers, in which the half-widths of its checks are filled in."""
     return np.ravel(widened(result.catalogue, result.numbers[None], widths[None], result.model.has_limits))
 
 
 def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
-    """The plate (k,) that has each extreme ``values`` (k,), from ``own`` extremes and ``widths`` (p, k) of p plates.
+    """Index (k,) of the plate at which each of k extremes ``values`` over all plates occurs.
 
-    If several plates have the same extreme, the plate with the largest half-width is returned.
+    ``own`` and ``widths`` (p, k) are the extremes of each of p plates and their half-widths. If several plates have the
+    same extreme, the plate with the largest half-width is returned.
     """
     away = np.nan_to_num(np.abs(own - values), nan=np.inf)
     ordered = np.where(away == away.min(axis=0), np.nan_to_num(widths, nan=np.inf), -1.0)
@@ -335,10 +336,10 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 _AT_STATIONS: Mapping[str, float] = MappingProxyType({"moment_bottom": 1.0, "moment_top": -1.0})
-"""Sign of each design moment at a station of a strip."""
+"""Design moments at a station of a strip, each with its sign."""
 _SIGNS = {"probe": DESIGN_MOMENTS, "station": _AT_STATIONS}
 _AREAS = {"probe": REINFORCEMENT, "station": {name.replace("moment", "as"): name for name in _AT_STATIONS}}
-"""Sign of each design moment, and design moment of each area of reinforcement, by home."""
+"""At probes and at stations: the sign of each design moment; the design moment for each area of reinforcement."""
 _Place = tuple[str, int, int, str]
 
 
@@ -348,16 +349,16 @@ def _signs(numbers: Sequence[Number]) -> Floats:
 
 
 def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
-    """Rows of the numbers at probes and stations, by home, owner, part and name."""
+    """Rows of the numbers at probes and at stations of strips; the key is kind of place, owner, part, quantity."""
     local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
     return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
 
 
 def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
-    """Values (m, n, k) in which design moments at probes and stations go on where they are zero.
+    """Values (m, n, k) in which each design moment of zero at a probe or station is replaced by its g or −g, g ≤ 0.
 
     A design moment is max(0, g) at the bottom, with a continuous function g of the moments, or −max(0, g) at the top.
-    A change of g shows on meshes on which the design moment remains zero.
+    So the comparison of meshes sees changes of g on meshes on which the design moment is zero.
     """
     result, rows = values.copy(), _places(numbers)
     for (home, owner, part, name), row in rows.items():
@@ -370,7 +371,7 @@ def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
         if along is None or across is None or twist is None:
             continue
         g = sign * values[:, along] + (size := np.abs(values[:, twist]))
-        if across != along:  # bars in the other direction may suffice
+        if across != along:  # the other case of Wood's rules: no bars are needed in the direction across
             other = np.abs(values[:, across])
             with np.errstate(divide="ignore", invalid="ignore"):
                 alone = sign * values[:, along] + size**2 / other

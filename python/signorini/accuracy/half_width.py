@@ -1,4 +1,4 @@
-"""Half-widths of numbers from several meshes, and the largest number of each kind as its reference."""
+"""Half-widths of numbers from several meshes, and the largest number of each kind, their reference value."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from signorini.shapes.distances import distances
 from signorini.singularities.singularity import Singularity
 
 _SAFETY, _OF_BEFORE = 3.5, 0.3
-"""Factor of the remaining error, and smallest last change that is assumed, relative to the change before it. With r = 2
-the factor assumes an order of 0.36: under a point force a deflection converges as slowly, and a change may be small by
-chance. An observed order would jump with such a change from one combination to the next.
+"""Factor F of the remaining error, and smallest last change |d₁| that is assumed, relative to the change |d₂| before.
+At r = 2, F assumes errors that fall as h^0.36, as slowly as a deflection under a point force. The order that the
+changes show is not used: it jumps between combinations if a change is small by chance.
 """
 
 _GROWS = 0.85
-"""Smallest ratio of the last change to the change before it, at half the mesh size, of a number without limit. The
-ratio is at least 0.9 at points and corners, and at most 0.7 for numbers that converge."""
+"""Smallest ratio |d₁|/|d₂| of the last two changes at which a number has no limit, if element sizes are halved. The
+ratio is at least 0.9 at point supports and corners, and at most 0.7 for numbers that converge."""
 
 _COUNTS = 0.02
 """Smallest change, relative to the largest value of the field, at which a number can count as growing without limit."""
@@ -74,7 +74,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Mask (...): whether the last change of numbers (2 or 3, ...) is noticeable and at least half the one before."""
+    """Mask (...) of numbers (2 or 3, ...) whose last change is noticeable and at least half the change before it."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
@@ -84,18 +84,18 @@ def rounded(widths: Floats) -> Floats:
     """Round half-widths to three significant digits."""
     known = widths > 0
     power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
-    # Powers of ten up to 10²² are exact, so that the quotient is written with three digits.
+    # Powers of ten up to 10²² are exact in double precision, so that the quotient is written with three digits.
     up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
 
 _OF_VECTOR, _OF_POINTS = 0.5, 0.2
 """Smallest change of a number that is assumed: relative to the largest change among the components of its vector, and
-among the points of its support.
+among the reactions of the points of its support.
 """
 _BENT = 0.01
-"""Smallest reference of each kind of number, relative to the number of this kind that fits the largest deflection or
-moment.
+"""Smallest reference value of each kind of number, relative to the value of this kind in a plate that bends as a whole
+with the largest deflection or moment.
 """
 
 
@@ -153,7 +153,7 @@ def may_grow(
 
 
 def within_an_element(numbers: Sequence[Number], singular: Sequence[Singularity], finest: Mesh) -> Bools:
-    """Mask (n,) of means beside singularities over less than an element of the finest mesh.
+    """Mask (n,) of the means beside singularities whose width is less than one element of the finest mesh.
 
     Such a mean comes from the field within one element on every mesh, so that other meshes do not show its error.
     """
@@ -209,9 +209,10 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
 def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
     """Largest number of every kind (k,) in k results, from all their numbers (n, k).
 
-    Only numbers that are both in results and in rows of tables are used. Each kind has at least a hundredth of the size
-    that fits the other kinds, since its numbers may all be rounding errors: moments in a rigid motion, or shears in
-    uniform bending. A hundredth of the largest gap counts as a deflection.
+    Only numbers that are both in results and in rows of tables are used. Each returned value is at least a hundredth of
+    the value in a plate that bends as a whole with the given deflection or moment. The numbers of a kind may all be
+    rounding errors: moments in a rigid motion, or shears in uniform bending. A hundredth of the largest gap counts as a
+    deflection.
     """
     points = {one.owner for one in numbers if one.home == "point"}
     none = np.zeros(values.shape[1])
@@ -237,8 +238,9 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
-    """Smallest references of reactions, moments and shears: a hundredth of those that fit the deflection or moment.
+    """Smallest reference values of deflections, moments, shears and reactions, by kind of number.
 
+    They are a hundredth of the values in a plate that bends as a whole with the given largest deflection or moment.
     They are needed since the sum of the reactions may be zero, and a plate may be bent without shears.
     """
     span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
@@ -266,7 +268,7 @@ def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> 
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
-    """Stiffness thicknesses (n,) at points (n, 2), all rigidities, and the index (n,) of the rigidity at each point."""
+    """Return the thickness (n,) to which the rigidity at each point refers, all rigidities, and its index (n,)."""
     zones, nominal = Zones.anywhere(model), np.empty(len(points))
     made = zones.made_at(points)
     for number in np.unique(made.thickness):

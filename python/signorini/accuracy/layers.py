@@ -41,17 +41,17 @@ edge.
 _PER_WIDTH = math.sqrt(10.0)
 """Ratio h/δ of solid plates with κ = 5/6, for which the preceding constants were measured."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
-"""Parameters at which curved element sides are divided into straight parts; the parts differ little from an arc."""
+"""Side parameters -1 to 1 that divide a curved element side into straight parts, which differ little from an arc."""
 _ON_EDGE = 1e-6
 """Tolerance relative to the plate's size for a point on the edge; also the tolerance for an edge parallel to an axis.
 """
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
-    """Part of a field in the layer along edges with free twist that none of the compared meshes resolves.
+    """Relative error of fields because elements do not resolve the layer along edges with free twist.
 
-    ``sizes`` are the sides of elements on the finest meshes. The part excludes the error that the change between these
-    meshes shows with order 1, which the comparison of meshes covers.
+    ``sizes`` are the sides of elements on the two finest meshes. The change between these meshes shows, with order 1, a
+    part of this error, which the comparison of meshes covers; this part is subtracted.
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
@@ -162,6 +162,6 @@ def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
 
 
 def _left(thickness: float, size: float) -> float:
-    """Part of the layer, 0 to 1, that elements of a given size do not resolve, by `_SEEN`."""
+    """Part of the layer, 0 to 1, that elements with sides of length ``size`` do not resolve; formula at `_SEEN`."""
     seen = _SEEN * thickness / size
     return 1.0 - seen * math.tanh(1.0 / seen)

@@ -33,7 +33,7 @@ _FEWEST_ALONG = 2
 """Smallest number of elements along the longer side of a mesh that can be coarsened."""
 
 _CHEAP = 10_000
-"""Largest number of elements of finer meshes for comparison. Their solution takes a second or two."""
+"""Largest number of elements of a finer mesh for comparison. Its solution takes a second or two."""
 
 
 _WORK_EXPONENT = 1.3
@@ -61,8 +61,8 @@ class OtherMesh:
 def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     """Yield tuples of meshes with which a mesh can be compared, the best tuple first.
 
-    The first two meshes of a tuple are compared. The third mesh replaces a mesh that cannot be solved, or that differs
-    too little.
+    The first two meshes of a tuple are compared. A third mesh replaces a mesh that cannot be solved, or whose element
+    size differs too little from the others.
     """
     given = _is_given(model)
     if model.plates and given:
@@ -71,7 +71,7 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     # Where the outline fixes the element size, other size options give the same mesh.
     outlined = not model.plates and model.divisions is None and mesh.spanning.any() and count <= _CHEAP
     fixed = given or outlined
-    # Sizes between refined places and the rest of a plate do not follow the size options. Division halves them all.
+    # Element sizes between refined places and the rest do not follow the size options; division halves all sizes.
     finer = _divided if fixed or (not model.plates and _is_straight(mesh)) else _scaled
     coarser = [] if given or along == 1 else [_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)]
     # In a refinement to an accuracy, all meshes are compared with finer meshes.
@@ -162,8 +162,8 @@ _GROWTH = 0.25
 _PARTS = 3.0
 """Length of the parts into which a line is divided, in mean element sizes. Each part is refined by its own factor."""
 _AIM = 0.5
-"""Aim of refinement at places, relative to the requested accuracy. Places that meet the accuracy but not this aim are
-refined too, since another mesh of an outline also moves numbers at places that it does not refine."""
+"""Accuracy that refinement at single places aims at, relative to the requested accuracy. This leaves a margin, since a
+new mesh within an outline also changes numbers at places where it is not finer."""
 _TWINS = 1.25
 """Memory for a mesh and one of half its element size together, relative to the memory for the finer mesh."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
@@ -312,7 +312,7 @@ def unknown(asked: float) -> str:
 def _cost(elements: int) -> str:
     memory = _TWINS * needed(4 * elements) / 1e9
     count = float(f"{elements:.2g}")
-    return f"about {count:,.0f} elements and, with the mesh of half their size, {memory:.1f} GB of memory"
+    return f"about {count:,.0f} elements and {memory:.1f} GB of memory, including a mesh of half the element size"
 
 
 def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
@@ -324,7 +324,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
     worst = [step.worst for step in steps]
     left = f"The accuracy of {asked:g} that was asked for is not reached: {reached.said(asked)}"
     if len(steps) == _MOST_STEPS:
-        return None, f"{left}. It is the last of {_MOST_STEPS} meshes; begin with smaller elements."
+        return None, f"{left}. This mesh is the last of {_MOST_STEPS} meshes; begin with smaller elements."
     tried = steps[-_TRIED - 1 :]
     if (
         len(steps) > _TRIED
@@ -332,7 +332,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
         and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])
     ):
         return None, (
-            f"{left}, but finer meshes do not bring it much nearer. Loads and supports at points, or on less than "
+            f"{left}, but finer meshes hardly improve it. Loads and supports at points, or on less than "
             "an element, need a footprint or mesh.refine; the shear jumps on a line that supports or loads the plate."
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST_STEP, _MOST))
@@ -342,7 +342,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
     else:
         mesh = _graded(plate, [one.result for one in estimates.values() if one.result.status == "solved"], shrinking)
     if not fits(_TWINS * needed(4 * count)):
-        return None, f"{left}. There is not the memory for the next mesh, of {_cost(count)}."
+        return None, f"{left}. The memory does not suffice for the next mesh, of {_cost(count)}."
     kept = {"accuracy": asked, "error": model.mesh.error}
     return model.varied(mesh=mesh.model_copy(update=kept)), ""
 

@@ -50,7 +50,7 @@ class Quality:
         """Measure the angles of a mesh, in degrees, between straight lines from corner to corner of an element."""
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
-        # A triangle repeats its third corner, a degenerate quadrilateral its first corner.
+        # A triangle is stored with its third corner twice, a degenerate quadrilateral with its first corner twice.
         # The repeated corner has a side of length zero; the next side is used in place of this side.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
@@ -144,7 +144,7 @@ class Check:
         The suffix of ``path`` gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. If
         there are several plates, each has its own file, see `pictures_of`.
         """
-        # matplotlib is imported only here.
+        # This import loads matplotlib, which is needed for pictures only.
         from signorini.plot.files import save
 
         require_picture(path)
@@ -208,7 +208,7 @@ def require_free(path: str | os.PathLike[str]) -> None:
         ours = False
     if not ours:
         raise InputError(
-            "it is there already, and it is no picture that signorini drew. Move it, or name another file with -o.",
+            "this file exists, and signorini did not draw it. Move it, or name another file with -o.",
             str(path),
         )
 

@@ -25,25 +25,25 @@ class CheckResult:
     """Result of one check in its governing combination; None where no checked combination has a number."""
 
     name: str
-    of: str  # the field or number that it measures
-    value: float | None  # for overturning 1/λ; None if it is infinite
-    limit: float | None  # on the side of the value
-    utilisation: float | None  # value / limit
+    of: str  # the field or number that the check measures
+    value: float | None  # measured value; for overturning 1/λ with the largest load factor λ; None if it is infinite
+    limit: float | None  # limit for values with the sign of this value
+    utilisation: float | None  # ratio of value to limit
     plus_minus: float | None  # half-width of the utilisation
     governing: str | None  # name of the combination with the largest utilisation
     # position of the extreme of a field, a pressure or a strip; else the name of the object, such as "probe[1]"
     place: tuple[float, float] | str | None
     without_equilibrium: int  # number of checked combinations that have no equilibrium, and so no numbers
-    # True if utilisation + ± ≤ 1 in all combinations and no equilibrium is missing, False if utilisation − ± > 1 in one
+    # True if utilisation + ± ≤ 1 in all combinations and all have equilibrium; False if utilisation − ± > 1 in any
     passed: bool | None
-    verdict: str  # the same in words
+    verdict: str  # ``passed`` in words; if it is None, the reason
 
 
 def require_checks(discretisation: Discretisation) -> None:
     """Refuse checks of unknown numbers and, in a table of combinations, of numbers that tables do not have."""
     model = discretisation.model
     if model.check and (catalogue := catalogue_of(discretisation, with_extremes(model))) and model.tabulated:
-        advice = 'It needs the whole answer of each combination: give output.combinations = "each".'
+        advice = 'This check needs all results of each combination: give output.combinations = "each".'
         require_measured(discretisation, catalogue.in_tables, "a table of combinations", *model.check, advice=advice)
 
 
@@ -75,7 +75,7 @@ def _result(results: Results, estimates: Estimates | None, index: int, place: in
     ends = results.envelope.values.sides
     known = [(float(values[place]), int(by[place])) for values, by in ends if by[place] != NONE]
     if check.of == OVERTURNING and missing:
-        # Its utilisation exceeds 1 where the plate has no equilibrium.
+        # The utilisation of overturning exceeds 1 in combinations without equilibrium.
         growing = check.growing(results.model.cases)
         factors = load_factors(results.discretisation, [combinations[row] for row in missing], growing)
         with np.errstate(divide="ignore"):
@@ -128,10 +128,10 @@ def judged(
 
 
 def _place(result: Result, index: int) -> tuple[float, float] | str:
-    """Position of the extreme, or subject of the number, that governs a check in one combination."""
+    """Position of the extreme that governs a check in one combination; else the name of the number's object."""
     numbers: tuple[Number, ...] = result.catalogue.numbers
     own = next(one for one in checks_in(result.catalogue) if numbers[one.utilisation].owner == index)
     one: Number = numbers[own.measured[own.governing(result.numbers[None])[0][0]]]
-    # The name of an object at one point says where it is.
+    # A probe, or another object at one point, needs no position beside its name.
     at = place_of_number(result, one) if one.home in (*EXTREMES, "support", "strip") else None
     return one.subject if at is None else (float(at[0]), float(at[1]))

@@ -61,9 +61,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     ]
     count, wanted = len(watches), len(path.thresholds)
     if not _has_estimate(path):
-        why = (
-            "the path was interrupted." if path.interrupted else 'a path of events = "all" is followed on its own mesh.'
-        )
+        why = "the path was interrupted." if path.interrupted else 'paths with events = "all" are solved on one mesh.'
         return PathEstimate.nothing(count, wanted, (without(0, why),))
 
     def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:
@@ -106,7 +104,7 @@ def _falls(path: LoadPath, one: Threshold) -> bool:
 
 
 def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], span: float) -> list[float]:
-    """For each ``(watch, t, falls)`` the t of the same event on this mesh, near the given t; NaN if it does not occur.
+    """Find, for each ``(watch, t, falls)``, the t of this event on the sampler's mesh, near the given t; NaN if none.
 
     If ``falls``, the function of the watch becomes negative, as where a point opens; otherwise it becomes positive.
     """
@@ -123,7 +121,7 @@ def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], 
 
 
 def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:
-    """Search for the event on the side of t on which it must be, at distances that grow fourfold."""
+    """Search before or after t, by the sign of the event's function at t, at distances that grow fourfold."""
     end = sampler.path.end * (1 - AT_LIMIT)
     state = sampler.state(min(t, end), near)
     beyond = (sampler.value(state, watch) >= 0) != falls
@@ -138,7 +136,7 @@ def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bo
         if ((sampler.value(other, watch) >= 0) == falls) == beyond:
             return root(sampler, watch, known, known[0].t, span)
         distance *= _FARTHER
-    raise SignoriniError("it does not happen on this mesh.")
+    raise SignoriniError("the event does not occur on this mesh.")
 
 
 @checked
@@ -201,7 +199,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
         return np.array(rows)
 
     def half_width(self, column: str, row: int | str) -> float | None:
-        """Return the half-width of a number of the table; None if it has none.
+        """Return the half-width of a number of the table; None if it is unknown.
 
         Parameters
         ----------
@@ -235,7 +233,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def no_others(self) -> str:
-        """Why another mesh for the table's estimate is missing; empty if both were solved or there is no table."""
+        """Why another mesh for the table's estimate is missing; empty if two were solved or there is no table."""
         return "" if self.of_table is None else self.of_table.why
 
 
@@ -287,7 +285,8 @@ def estimate(
         case LoadPath():
             return estimate_path(results, watcher)
     raise InputError(
-        f"found {type(results).__name__}; it must be what signorini.solve or signorini.path returns.", place="results"
+        f"found {type(results).__name__}; it must be a return value of signorini.solve or signorini.path.",
+        place="results",
     )
 
 

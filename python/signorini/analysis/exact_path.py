@@ -26,15 +26,15 @@ from signorini.results.path_stop import PathStop, Switched, path_stops
 _SAME = 1e-6
 """Relative tolerance for equal deflections, relative to the largest deflection, and for equal work."""
 _MOVED = 1e-9
-"""Rounding error of t, relative to the load, where the plate moves freely: the work changes by this part of its
-magnitude.
+"""Tolerance for equal work, relative to Σ |nodal load × displacement|. Where the plate moves freely, the rounding error
+of t changes the work by about this part of the sum.
 """
 _AT = 1e-12
-"""Rounding error of t at an event, relative to t. Where the loads at t = 0 and t·add cancel, this part of each remains
-as a load.
+"""Rounding error of t at an event, relative to t. Where the loads at t = 0 and t·add cancel, this part of either load
+remains.
 """
 _SAMPLES = 11
-"""Number of intervals of stop numbers; direct solutions check the stop at each end of an interval."""
+"""Number of equal intervals into which the stops are divided; direct solutions check the stops at their ends."""
 
 
 def confirmed(
@@ -80,8 +80,8 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""Largest relative error of the resultant of the reactions at a stop. Contact states of a path are decided by smaller
-differences than those of a single answer.
+"""Largest relative error of the resultant of the reactions at an accepted stop. The certificate of a single answer
+allows more, but smaller differences decide the contact states of a path.
 """
 _TURNS = 1e-9
 """Relative tolerances: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative
@@ -128,7 +128,7 @@ class PathJudge:
             self.judge()
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
-        """Yield a stop for each earlier t at which the reaction of a dependent support changes its sign."""
+        """Yield a stop for each t since the last stop at which a reaction with a dependent row changes its sign."""
         discretisation = self.problem.discretisation
         if self._last is None or self._last[0] == t or not discretisation.shared:
             return
@@ -178,7 +178,7 @@ class PathJudge:
             least.append(one)
             self.certificates.append(certificate)
         count = len(least)
-        # All points of a dependent group open or close together, including those that the path does not follow.
+        # Points with linearly dependent rows open and close together, including points that the path does not follow.
         switched = []
         for row, one in enumerate(least):
             changed = points[row] if self._shown is None else np.flatnonzero(one.piece != self._shown)
@@ -208,7 +208,7 @@ class PathJudge:
         return doubts[len(chain) - len(at) :]
 
     def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
-        """Return the least-norm answer at t, in which only points push that push just before or after t."""
+        """Return the least-norm answer at t, with reactions only at points that also push just before or after t."""
 
         def elsewhere() -> Iterator[Floats]:
             if before is not None:

@@ -54,7 +54,7 @@ class OtherMeshes:
     watcher: Watcher
     """Called with a `Progress` for each step. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Duration of the solution on the model's own mesh in seconds; the expected calls of `solved` count together."""
+    """Duration in seconds of the solution on the model's own mesh, the expected ``calls`` together."""
     calls: int = 1
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)
@@ -261,7 +261,7 @@ class _Rows:
         if not checks:
             return {}
         columns, unknown = [one.column for one in catalogue], np.full(len(next(iter(widths.values()))), np.nan)
-        # A block of a Parquet file has columns of floating-point numbers only; counts are NaN.
+        # A block of a Parquet file has only columns of floating-point numbers; the missing columns of counts get NaN.
         values = np.array([np.asarray(shown.get(column, unknown), np.float64) for column in columns]).T
         known = np.array([widths.get(column, unknown) for column in columns]).T
         result = widened(catalogue, values, known, self.discretisation.model.has_limits)
@@ -316,7 +316,7 @@ def _widen(
 
     Returns the half-widths of the extremes of envelopes, and `EstimatedTable.reach`.
     """
-    # pyarrow is imported only here.
+    # This import loads pyarrow, which is needed for Parquet files only.
     from signorini.formats.parquet import widen
 
     wanted, picked, first = _wanted(combined), dict[tuple[str, int], float](), 0
@@ -343,7 +343,7 @@ def _widen(
 
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:
-    """Row numbers of envelope extremes, by column; reactions of bearings have the rows of all governing extremes."""
+    """Row numbers of envelope extremes, by column; columns of reactions have the rows of all governing extremes."""
     layout, result = combined.layout, dict[str, set[int]]()
     for envelope in (combined.envelope, *combined.groups.values()):
         of = envelope.values

@@ -118,12 +118,12 @@ def path(
         until = _factor(until, "until")
     if changed := [case for case in model.preload_cases if factors_named(discretisation, add).get(case)]:
         raise InputError(
-            f'"{add}" changes the preload "{changed[0]}", and along a path bolts stay as they are tightened. Take '
-            "loads alone, and for the start a combination that names the preload.",
+            f'"{add}" changes the preload "{changed[0]}", but preloads are constant along a path. Name a growing load '
+            "without preload; preloads belong to a combination at the start.",
             place="add",
         )
     if not growing.nodal.any():
-        raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
+        raise InputError(f'the load "{add}" is zero, so that it cannot grow. Name another load.', place="add")
     asked = thresholds(discretisation, when)
     watcher(Progress(stage="factor"))
     problem = tightened_by(contact_problem(discretisation), factors_named(discretisation, start), watcher)
@@ -159,7 +159,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
     # t = 0 is always solved, so it is not listed.
     result = sorted({_factor(t, "at") for t in at if t != 0})
     if not 1 <= len(result) <= _MOST_STEPS:
-        raise InputError(f"found {len(result)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
+        raise InputError(f"found {len(result)} numbers other than 0; give 1 to {_MOST_STEPS} numbers.", place="at")
     return result
 
 

@@ -84,8 +84,8 @@ def recover(problem: ContactProblem | RowProblem, load: str | ArrayLike, reactio
     (True, True)
     >>> recover(problem, "all", [reactions[0], 0.0])
     Traceback (most recent call last):
-    signorini.errors.NotCertifiedError: These reactions are not the answer: that of row 0 at [4, 0] is 14286.2, but \
-with the rows that push here it would be 21130.1.
+    signorini.errors.NotCertifiedError: These reactions are not the answer: row 0 at [4, 0] has the reaction 14286.2, \
+but the solution in which the same rows push has 21130.1.
     """
     if not isinstance(problem, RowProblem):
         made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
@@ -109,7 +109,7 @@ def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, C
 
 
 def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
-    """Subtract from a load the nodal forces (3n,) that the caller's rows exert."""
+    """Subtract from a load the nodal forces ``pushed`` (3n,) of the reactions at the caller's rows."""
     nodal = load.nodal - pushed
     return replace(load, nodal=nodal, weighing=nodal if load.all_weighs else load.weighing - pushed)
 
@@ -117,7 +117,7 @@ def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
 def _reactions(problem: ContactProblem | RowProblem, reactions: ArrayLike) -> Floats:
     given, both = array(reactions, "reactions", 1), problem.two_sided
     if len(given) != len(both):
-        raise InputError(f"found {len(given)} numbers; they must be {len(both)}, one a row of G.", place="reactions")
+        raise InputError(f"found {len(given)} numbers; give {len(both)}, one for each row of G.", place="reactions")
     wrong = np.where(both, np.isinf(given), ~np.isfinite(given))
     if wrong.any():
         at = int(np.argmax(wrong))
@@ -133,7 +133,7 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
     def on(pieces: Pieces) -> Result:
         solution = problem.core.solve_on(load.nodal, problem.held_values, pieces)
         if solution.status != "solved":
-            raise NotCertifiedError(f"{_NOT}where they push the plate is not held, or not in one way.")
+            raise NotCertifiedError(f"{_NOT}the rows that push do not hold the plate, or their forces are not unique.")
         _require_same(problem, given, solution.reaction, unit, size)
         answer = chosen(discretisation, problem.freedom, load.nodal, Answer.of(discretisation, solution))
         answer, certificate = certified(discretisation, load, answer)
@@ -174,8 +174,8 @@ def _require_same(
     if missed.max(initial=0.0) > _ACCURATE * size:
         at = int(np.argmax(missed))
         raise NotCertifiedError(
-            f"{_NOT}that of {_row(problem, at)} is {given[at]:g}, but with the rows that push here it would be "
-            f"{result[at]:g}."
+            f"{_NOT}{_row(problem, at)} has the reaction {given[at]:g}, but the solution in which the same rows push "
+            f"has {result[at]:g}."
         )
 
 

@@ -35,7 +35,7 @@ _KEPT = 12
 
 
 def alone(model: Model, combination: Combination) -> Model:
-    """Variant of a model with one combination, which has all results."""
+    """Variant of a model with one combination only, for which all results are computed."""
     return model.varied(combination=(combination,), output=Output(combinations="each"))
 
 
@@ -145,7 +145,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def combined(self) -> Combined:
-        """Results of all combinations together: rows of the table, envelopes, numbers of combinations."""
+        """Results of all combinations together: rows of the table, envelopes, counts of combinations."""
         return self._combined if self._combined is not None else self._combine(None)
 
     @property
@@ -257,7 +257,7 @@ class Results(States[str], Mapping[str, Result]):
             If the result is that of one of several plates.
         """
         if any(one.between for one in result.model.support) and not result.plates:
-            raise InputError("found the result of one of several plates; take that of all plates.", place="results")
+            raise InputError("found the result of one of several plates; take the result of all.", place="results")
         own = result.combination or Combination(name=result.name, factors={})
         model = alone(result.model.original, own)
         discretisation = discretise(model, None if result.plates else result.mesh)

@@ -21,7 +21,7 @@ from signorini.results.support_points import SupportPoints
 _LOADED = 1e-9
 """Smallest t at which events of supports are reported, relative to the length of the path."""
 _AT_ROOT = 1e-7
-"""Largest margin at an event that counts as zero, relative to the largest margin of the support's points."""
+"""Largest margin (distance of a point to its event) that counts as zero, relative to the support's largest margin."""
 
 
 class Hit(NamedTuple):
@@ -57,7 +57,7 @@ class SampledPath:
                 self.reached[number] = 0.0
 
     def go_on(self, t: float, span: float, shown: bool) -> None:
-        """Solve at t, and find the events since the last sample; ``shown``: the sample becomes a stop.
+        """Solve at t, and find the events since the last sample. If ``shown``, the sample becomes a stop.
 
         Without load, points in contact have no force, so that it is undefined which of them are open. Therefore the
         search for events begins at the first loaded sample.
@@ -97,7 +97,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # At the event itself rounding may open or close points, so the stop gets the part after the event.
+            # At the event itself rounding may open or close points, so the stop gets the closed part just after it.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
@@ -143,7 +143,7 @@ def sampled_path(
     try:
         length, ends = _end(sampler, until if isinstance(samples, int) else until or max(samples), whole.last)
         limited = ends == "no_equilibrium"
-        # At the limit of equilibrium the plate can move in every contact state: the last sample is before the limit.
+        # At the limit of equilibrium no contact state holds the plate, so that the last sample is before the limit.
         end = length * (1 - AT_LIMIT) if limited else length
         at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
         shown = {*(t for t in at if t < end), end}

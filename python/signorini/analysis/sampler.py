@@ -1,4 +1,4 @@
-"""Certified states along a load path, roots of their margins, and the t of the last named event."""
+"""Certified states along a load path, roots of the margins of supports to events, and the t of the last named event."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class PathLoads:
         if floats(discretisation, problem.freedom, loads[0].weighing, loads[1].weighing):
             raise InputError(
                 f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor "
-                f"{add} has a resultant, so it may rest anywhere. Add its weight.",
+                f"{add} has a resultant, so that the plate may rest anywhere. Add its weight.",
                 place="add",
             )
         outline, mesh = (
@@ -160,7 +160,7 @@ class Sampler:
         return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
-        """Value, at a state, of the function that a watch names."""
+        """Value at a state of the function ``watch``, whose sign changes at an event."""
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]
@@ -272,7 +272,7 @@ def last_change(sampler: Sampler, begin: State) -> float:
     if not changes or changes[-1] > 1 or len(states) == 2:
         return states[changes[-1] if changes else 1].t
     first, above = states[1:3]
-    # Search backward until the pieces are the same down to t = 0, or an event lies between.
+    # Search backward until points keep their pieces down to t = 0, or until an event lies between two states.
     while (line := kept(sampler, first, above)) is None or line[0] > 0:
         before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
         if sampler.changed(before, first):
@@ -295,11 +295,11 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     apart = may & (np.maximum(np.abs(first.gap), np.abs(second.gap)) > length)
     if (pressed & (apart | (np.minimum(*within) < -force))).any():
         return None
-    # A gap whose change is much larger than the gap itself has changed by rounding alone.
+    # Gaps and reactions that change by less than the tolerances change by rounding alone, and do not limit the range.
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
-    # At a limit where the support pushes, the point's gap opens in the opposite direction.
+    # Where a pushing support has reached its force limit, the distance to its law grows in the opposite direction.
     beyond = np.where(first.reaction > 0.0, -opening, opening)
     ends = pressed & presses_otherwise
     for counts, value, rate in (

@@ -109,7 +109,7 @@ def _solve(
     discretisation = problem.discretisation
 
     def surely_balanced(load: CaseLoad) -> bool:
-        """Whether the load does no work in any motion that the supports allow; then reactions balance the load."""
+        """Whether the load does no positive work in any motion that supports allow, so that reactions balance it."""
         if rays is None:
             return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
@@ -174,7 +174,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
     """Solve every combination as a row of a table, and write the rows to the file ``table`` unless it is None."""
     if table is None:
         return solve_rows(problem, watcher)
-    # pyarrow is imported only here.
+    # This import loads pyarrow, which is needed for Parquet files only.
     from signorini.formats.parquet import writing
 
     try:

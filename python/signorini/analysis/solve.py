@@ -25,7 +25,7 @@ from signorini.model import Combination, Model
 from signorini.results.result import Result
 
 _REASONS = 5
-"""If no combination of a table has an equilibrium, the largest number of combinations that the message lists."""
+"""Largest number of combinations that the message lists if no combination of a table has an equilibrium."""
 
 
 @checked
@@ -114,11 +114,11 @@ def _any_solved(results: Results) -> bool:
 
 
 def _reasons(results: Results) -> str:
-    """Reasons why no combination has an equilibrium; of a table the first."""
+    """Reasons why no combination has an equilibrium; for a table only the first reasons."""
     if not results.model.tabulated:
         return "\n".join(f"{name}: {result.message}" for name, result in results.full.items())
     some = "\n".join(f"{name}: {message}" for name, message in list(results.unbalanced.items())[:_REASONS])
-    return f"None of {len(results)} combinations has one, to begin with:\n{some}"
+    return f"None of {len(results)} combinations has an equilibrium. The first reasons:\n{some}"
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
@@ -157,7 +157,7 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
-    """Yield the combinations of which every field is computed at once."""
+    """Yield the combinations for which the solve computes all results, and not only a row of the table."""
     asked, combinations = model.output.fields, model.effective_combinations
     if combined is None or asked == "all":
         yield from combinations

@@ -116,7 +116,7 @@ def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> s
 class _Stage:
     """Bolts tightened together: ``force`` (m,) are the forces that they exert, 0 at other points.
 
-    ``there`` (m,) marks other supports and the bolts tightened earlier.
+    ``there`` (m,) marks the points of other supports and of the bolts tightened earlier.
     """
 
     names: tuple[str, ...]
@@ -124,7 +124,7 @@ class _Stage:
     there: Bools
 
     def posed(self, base: Discretisation, distance: Floats) -> tuple[Discretisation, CaseLoad]:
-        """Discretisation without these and later bolts, with gaps ``distance`` (m,), and preload forces as a load."""
+        """Discretisation with the points ``there`` and gaps ``distance`` (m,); the bolts' preload forces as a load."""
         there = np.flatnonzero(self.there)
         contacts = replace(base.contacts, distance=distance).pick(there)
         repeated = replace(base.repeated, follows=base.repeated.follows[:, there])

@@ -142,7 +142,7 @@ class Discretisation(Remade):
 
     @property
     def repeats_itself(self) -> bool:
-        """Whether rows of rigid contact points are linearly dependent, so that not every set of gaps is possible."""
+        """Whether rows of rigid contact points are linearly dependent, so that their gaps can contradict each other."""
         rigid = np.flatnonzero((self.contacts.compliance == 0) & ~self.contacts.slope)
         free = within(self.contact_rows[rigid], ~self.held.dofs)
         group, _ = parallel(free)
@@ -269,7 +269,7 @@ class Discretisation(Remade):
         return np.tile([1.0, self.mesh.size, self.mesh.size], len(self.members))
 
     def in_motions(self, positions: Floats, elements: Ints) -> Floats:
-        """Deflections (q, 3p) of the modes `scaled_motions` at positions (q, 2) in elements (q,)."""
+        """Deflections (q, 3p) of the rigid-body modes `scaled_motions` at positions (q, 2) in elements (q,)."""
         linear = np.column_stack([np.ones(len(positions)), (positions - self.middle) / self.mesh.size])
         firsts = [plate.elements.start for plate in self.members]
         result = np.zeros((len(linear), len(firsts), 3))
@@ -352,7 +352,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     placements = placed(model, mesh, problems)
     supports = [each for each in placements if each.support.between is None]
     loaded = loaded_sides(model, mesh, problems)
-    # The thickness is a placeholder, so that other problems are reported even if the thickness is wrong.
+    # If the thickness of the input is wrong, this placeholder remains, so that other problems are reported too.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     bodies = Bodies.of(mesh, zones, problems)
     held = hold(mesh, supports, bodies, problems)
@@ -378,9 +378,9 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     for index, profile in enumerate(model.profile):
         if not mesh.locate(profile.places[1]).inside.any():
             with problems.collected():
-                raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
+                raise InputError("No station of the profile is on the plate. Move its line.", ("profile", index))
     problems.raise_collected()
-    # With supports between plates this is one of several plates; `plates` then checks the domain, with those supports.
+    # If this plate has supports to other plates, module `plates` checks the domain of all plates with these supports.
     if not any(support.between for support in model.support):
         require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.raise_collected()
@@ -424,7 +424,7 @@ def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: Stres
 
 
 class ElementsForCore(NamedTuple):
-    """The first arguments of `_core.Plate`: nodes (n, 2), elements (ne, 8) and their sections."""
+    """Leading arguments of the constructor `_core.Plate`: nodes (n, 2), elements (ne, 8) and their sections."""
 
     points: Floats
     elements: Ints
@@ -438,7 +438,7 @@ class ElementsForCore(NamedTuple):
 
 
 def elements_for_core(mesh: Mesh, zones: Zones, thickness: Thickness, held: Held) -> ElementsForCore:
-    """Nodes, elements and sections as the core takes them."""
+    """Convert nodes, elements and sections of a plate to the arguments of `_core.Plate`."""
     others = None
     if len(zones.rigidities) > 1:
         units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])

@@ -36,14 +36,17 @@ THICKEST = 10.0
 In a thicker plate, the bending stiffness across the width is lost in the rounding of the shear stiffness.
 """
 FLOATING = 1e-10
-"""Least relative stiffness λL⁴/D of elastic supports if no rigid support holds any rigid motion of the plate."""
-THIN = 1e-19
-"""Least λL⁴/D relative to (L/h)²·L²/A: rounding of the shear stiffness acts like strains of the plate.
+"""Least relative stiffness λL⁴/D of elastic supports if no rigid support holds any rigid motion of the plate.
 
-Found by experiment.
+λ is the stiffness per area of a bed under the whole plate that is as stiff against the motion that is held least.
+"""
+THIN = 1e-19
+"""Least λL⁴/D of elastic supports of thin plates, relative to (L/h)²·L²/A, with λ as in `FLOATING`.
+
+Rounding of the shear stiffness acts like strains of the plate. The value was found by experiment.
 """
 TURNING = 1e-6
-"""Least λL⁴/D if rigid supports hold some rigid motions but not all; rounding strains the plate in the free motions."""
+"""Least λL⁴/D, with λ as in `FLOATING`, if rigid supports hold some rigid motions but not all."""
 SOFTEST = 1e-14
 """Least relative stiffness KL⁴/(AD) of an elastic support, K its total stiffness, if rigid supports hold the plate.
 
@@ -59,14 +62,17 @@ Parallel lines need a least distance. Lines at a larger angle may meet or cross:
 those of parallel lines with the least distance.
 """
 _AROUND = 64
-"""Number of directions around a point that are tested for plate."""
+"""Number of directions around a point of a support in which the plate is searched."""
 _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
-"""Least fraction of the directions around a point in which there must be plate, for points and for points on lines.
+"""Least fractions of the directions around a point in which the plate must lie: for listed points, for points of lines.
 
-With less plate the point is at a corner of the plate (less than 0.375, 135°), or on its edge (less than 0.625).
+A smaller fraction means a point at a corner of the plate (less than 0.375, 135°), or on its edge (less than 0.625).
 """
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
-"""Least numbers of pieces of a side and of a circle, and about the largest number of pieces of either."""
+"""Least numbers of pieces of a side and of a circle whose distances from other supports are measured.
+
+The third number is about the largest number of pieces.
+"""
 
 
 class _Hold(NamedTuple):
@@ -136,8 +142,8 @@ def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
         )
     if thickest > (1.0 + _ROUNDING) * THICKEST * width:
         raise InputError(
-            f"Found the thickness {thickest:.6g} of a plate {width:.3g} wide, its area over its length; at most "
-            f"{THICKEST:g} times that is in the domain. Calculate a beam.",
+            f"The plate is {thickest:.6g} thick and {width:.3g} wide (area over length); the largest ratio in the "
+            f"domain is {THICKEST:g} to 1. Calculate a beam.",
             place=("plate", "thickness"),
         )
 
@@ -158,8 +164,8 @@ def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
     times = math.ceil((1.0 - _ROUNDING) * ratio[worst] / LONGEST)
     raise InputError(
         f"The element at {point(corners[worst].mean(axis=0))} is {long:.6g} long and {short:.6g} wide or thick, "
-        f"{ratio[worst]:.6g} to 1; at most {LONGEST:g} to 1 are in the domain. Take {times} times as many along their "
-        "longer sides, or fewer across; or calculate a beam.",
+        f"{ratio[worst]:.6g} to 1; at most {LONGEST:g} to 1 is in the domain. Take {times} times as many elements "
+        "along their longer sides, or fewer across; or calculate a beam.",
         place=("mesh",),
     )
 
@@ -185,9 +191,9 @@ def _require_no_softer(model: Model, total: Floats) -> None:
     """Refuse elastic supports that are too soft to carry a load; ``total`` is KL⁴/(AD) of each support."""
     for i in np.flatnonzero((total > 0.0) & (total < (1.0 - _ROUNDING) * SOFTEST)).tolist():
         raise InputError(
-            f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
-            f"be {SOFTEST:g} or more. Leave it out, since it carries no load, or give {SOFTEST / total[i]:.2g} times "
-            "the stiffness.",
+            f"{model.support[i].name} is as soft as a bed under the whole plate with kL⁴/D = {total[i]:.2g}; it must "
+            f"be {SOFTEST:g} or more. Leave the support out, since it carries no load, or give "
+            f"{SOFTEST / total[i]:.2g} times the stiffness.",
             place=stiffness_place(model.support[i], ("support", i)),
         )
 
@@ -197,7 +203,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
 
     λ is the stiffness per area of a bed under the whole plate that resists a motion as the supports do.
     """
-    # Another check reports mechanisms, which no support resists.
+    # Rigid motions that no support resists (mechanisms) are reported by another check.
     if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
@@ -221,7 +227,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
     names = " and ".join(model.support[i].name for i in which)
     held_part = "the plate" if floats else "the plate against a motion that rigid supports leave free"
     raise InputError(
-        f"The stiffness of {names} alone holds {held_part}, as stiffly as a bed under all of it with kL⁴/D = "
+        f"The stiffness of {names} alone holds {held_part}, as stiffly as a bed under the whole plate with kL⁴/D = "
         f"{result:.2g}; it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate "
         "rigidly.",
         place=stiffness_place(model.support[which[0]], ("support", which[0])),
@@ -303,7 +309,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             and (other in both or _covers(model, mesh, index, positions[support_of == other]))
             for other in np.unique(support_of[others]).tolist()
         ):
-            # w = g on the whole area, so that the plate cannot rotate at the support.
+            # The two areas together prescribe w = g on the whole area, so that the plate cannot rotate at the support.
             continue
         others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
@@ -342,10 +348,9 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
 
 
 def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
-    """Whether the plate can bend on both sides of each point (k,).
+    """Mask (k,) of the points around which the plate can bend on both sides.
 
-    The plate cannot bend in this way within a rigid zone, at a corner of the plate or, for points on lines, at an edge
-    of the plate.
+    The plate cannot do so in a rigid zone, at a corner of the plate or, for points on lines, at an edge of the plate.
     """
     spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
     rows = points.rows
@@ -368,7 +373,7 @@ def _in_words(model: Model, place: Place, position: Floats, distance: float, lea
     return InputError(
         f"{model.support[int(place[1])].name} holds the plate rigidly at {point(position.tolist())}, {distance:.3g} "
         f"from {other}. Rigid supports must be at one place, or at least a tenth of the thickness apart, here "
-        f"{least:.3g}. Join them by {snap}, move one, or give one a stiffness.",
+        f"{least:.3g}. Join them by {snap}, move one support, or give one a stiffness.",
         place=place,
     )
 
@@ -380,7 +385,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
         return
     positions = np.array([place for i in rigid for place in model.support[i].at or ()])
     same = mesh.near.place
-    # Many points may coincide: positions are rounded to cells, and one point of each cell represents all points in it.
+    # Many points may coincide. Positions are rounded to cells, and only one point of each cell is compared.
     _, first = np.unique(np.round((positions - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     cells, reach = positions[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -426,7 +431,7 @@ def _name(support: Support, drawn: _Rigid, position: Floats) -> str:
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
-    """Indices of those of the boxes (k, 4) that touch a support's points or outline; none for a support on edges."""
+    """Indices of the boxes (k, 4) that touch a support's points or outline; no index for a support on edges."""
     where = support.where
     if not where.points and where.shape is None:
         return []
@@ -435,7 +440,10 @@ def _reached(support: Support, boxes: Floats) -> list[int]:
 
 
 def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[tuple[Floats, bool]]:
-    """Yield positions (q, 2) of points and line ends with False, then positions along each line with True."""
+    """Yield positions (q, 2) of a support at which its distance from ``beside`` is measured, and a flag.
+
+    The flag is False for listed points, ends of lines and nearest points of circles, True for positions along a line.
+    """
     if support.at is not None:
         yield np.array(support.at), False
     if support.where.shape is None:
@@ -465,7 +473,7 @@ def _nearest(
     rounding = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
     near = (apart > rounding) & (apart < least.max())
     if along:
-        # Two lines are parallel where their distance hardly changes between neighbouring positions.
+        # Only positions count at which the lines are parallel: their distance hardly changes to the next position.
         change = np.abs(np.diff(np.minimum(apart, 2.0 * float(least.max()))))
         flat = change <= _ALONG * np.hypot(*np.diff(positions, axis=0).T)
         near &= np.append(flat, True) & np.insert(flat, 0, True)

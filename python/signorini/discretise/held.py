@@ -103,7 +103,7 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Slope:
-    """Constraint of a support: the slope along a unit direction (2,) has the value that a rotation (2,) has there."""
+    """Constraint of a support at a node: the slope along ``direction`` (2,) is the product direction · ``rotation``."""
 
     direction: Floats
     rotation: Floats
@@ -280,7 +280,7 @@ def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
 
 
 def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Iterator[Floats]:
-    """Yield tables of held deflections, as for `_settle`; add the slopes that a support holds to ``slopes``."""
+    """Yield tables (k, 4) of a support's held deflections, see `_settle`; add its held slopes to ``slopes``."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
     nodes = placed.nodes if placed.sides is None else edge_nodes(mesh, placed.sides)[0]
     (numbers,) = np.nonzero(held_at(placed, nodes, bodies))
@@ -288,7 +288,7 @@ def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Ite
         return
     nodes = nodes[numbers]
     if placed.sides is None and "slope" in support.fixed:
-        # The normals of these two tangents are the x axis and the y axis.
+        # Points hold the slopes along both axes: the normals of these two tangents are the x axis and the y axis.
         tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     elif placed.sides is not None and support.holds_rotation:
         along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())

@@ -72,7 +72,7 @@ class Law:
 
     @cached_property
     def corners(self) -> Floats:
-        """Vertex (travel, force) at which each piece begins (p, 2); for the first piece, that at which it ends."""
+        """Vertex (travel, force) at which each piece begins (p, 2); for the first piece, the vertex at its end."""
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
     @cached_property
@@ -91,7 +91,7 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
-            # The core computes the same differences, so that both have the same rounding.
+            # The core computes these differences by the same operations, so that Python and core agree to the last bit.
             terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
                 beyond, above = self.vertices[piece]
@@ -169,7 +169,7 @@ class Law:
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Constant force of the piece at each travel, if the piece has the slope 0; ∞ on all other pieces.
+        """Constant force at each travel that is on a piece with slope 0; ∞ at travels on other pieces.
 
         Examples
         --------
@@ -197,8 +197,8 @@ class Law:
         result = []
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
-            # For the least travel, the index of the piece is the number of vertices with smaller forces. For the
-            # largest travel, vertices with equal forces count too.
+            # The number of vertices with smaller forces is the index of the piece with the least travel at a force.
+            # The number of vertices with smaller or equal forces is the index of the piece with the largest travel.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)
@@ -337,9 +337,9 @@ def jumps_of(support: Support) -> list[Level]:
 
 
 def steps_of(support: Support) -> list[Level]:
-    """Level functions at whose zeros the quadrature is divided: jumps, and with a limit kinks of limit and stiffness.
+    """Level functions at whose zeros the quadrature over a support is divided, since its law jumps there.
 
-    So the integral of the limit, which is the limit load, is accurate.
+    If the support has a limit, kinks of limit and stiffness count too, so that the limit load is accurate.
     """
     if support.modulus is None or support.limit is None:
         return jumps_of(support)
@@ -402,13 +402,13 @@ def graphs_of(
         stiffness = weights * modulus
         if support.law is not None and (stiffness >= stiffest).any():
             raise InputError(
-                f"found a part that rises by {float(modulus[0]):.4g} for a travel of 1, which is as good as rigid. "
-                "Draw it without travel, or less steep.",
+                f"found a piece with the slope {float(modulus[0]):.4g}, which acts as rigid. Give this piece no "
+                "travel, or a smaller slope.",
                 place=(*place, "law"),
             )
         elastic = stiffness < stiffest
         if both and support.limit is None:
-            # A straight law with C > 0 makes a spring, never an equation.
+            # A straight law with C > 0 makes a spring, whose stiffness is at most ``stiffest``.
             elastic, stiffness = np.ones(len(weights), np.bool_), np.minimum(stiffness, stiffest)
     if support.law is not None:
         laws: tuple[Law, ...] = (Law.drawn(support.law, both=both),)
@@ -451,7 +451,7 @@ def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class SupportLaw:
-    """Law of a support over a field of deflections; the pressure is positive up, NaN where a formula has no value.
+    """Law of an area support for fields of deflections; the pressure is positive up, NaN where a formula has no value.
 
     The free travel ends where the support begins to act or, with ``to_limit``, where it yields.
     """

@@ -41,13 +41,13 @@ _NOTHING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class CaseLoad:
-    """Load vector f of a load case, or of a combination of the cases ``acting``.
+    """Load vector f of a load case, or of a combination of the load cases ``acting``.
 
     ``nodal`` (3n,) are forces and couples in nodal axes, ``curvature`` (3,) the stress-free kx, ky, kxy, ``couples``
     (2e,) couples on the centre rotations of elements. ``weighing`` (3n,) is the part of ``nodal`` that can have a
     resultant: it excludes stress-free curvatures and self-equilibrated loads. ``through`` (3s,) is the direct
     contribution of the load to moment, twist and shear of each section, in addition to that of nodal forces.
-    ``on_columns`` (r + 3c,) are its numbers of `Columns`.
+    ``on_columns`` (r + 3c,) are forces and couples at columns, see `Columns`.
     ``plates`` are the loads on each of several plates; curvatures and sections are stored there only.
     """
 
@@ -138,7 +138,7 @@ def case_loads(
     sides: Mapping[int, Ints | None],
     problems: Problems,
 ) -> dict[str, CaseLoad]:
-    """Loads by load case; ``sides`` is the result of `loaded_sides`, and loads without an entry in it are left out."""
+    """Loads by load case; ``sides`` is the result of `loaded_sides`; loads without an entry in it are left out."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
@@ -149,7 +149,7 @@ def case_loads(
             onto = Onto(mesh, sections, columns)
             result = _weighed(motions, _load(zones, onto, plate, footprints, load, sides_of_load, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
-    # The case of a preload has the load zero; `analysis.tightening` reads the factor of the case.
+    # A case that only multiplies a preload has the load zero; `analysis.tightening` applies the preload.
     cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
     return {
         case: replace(
@@ -255,7 +255,7 @@ class Onto:
         self._on_columns += self._columns.of_line(along)
 
     def spread(self, quadrature: Quadrature, spread: Spread) -> None:
-        """Add the pressure ``spread``; ``quadrature`` integrates it over its region."""
+        """Add the pressure ``spread``; ``quadrature`` has the points and weights over the pressure's region."""
         forces = quadrature.times(spread.pressure(quadrature.elements, quadrature.positions))
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
@@ -300,9 +300,8 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 
 
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
-    """Return the pressure, linear over a footprint, with a couple as resultant; it takes elements and positions."""
-    # Coordinates are taken from the middle, relative to the footprint's size, so that the three equations are well
-    # scaled.
+    """Return a pressure as function of elements and positions, linear over a footprint, with a couple as resultant."""
+    # Coordinates relative to the footprint's middle and size give three well-scaled equations.
     middle = quadrature.weights @ quadrature.positions / quadrature.total
     size = np.sqrt(quadrature.total)
 

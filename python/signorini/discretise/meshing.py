@@ -108,11 +108,11 @@ def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
 
 
 def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
-    """Advice on how to make the mesh follow a line that cuts elements: smaller elements of ``size`` at ``where``."""
+    """Advice for messages on how to make the mesh follow a line: for instance elements of ``size`` at ``where``."""
     if isinstance(model.plate, MeshPlate):
-        return "Make the mesh with sides along it."
+        return "Make a mesh whose element sides run along it."
     if model.plate.element == "q8r" and model.divisions is not None:
-        return "Leave element out: q8r has rows alone."
+        return 'Leave out element = "q8r", whose meshes have only rows of elements.'
     if model.mesh.divisions is not None and not follows_in_rows(model):
         return "Give mesh.size, not divisions."
     elements = "smaller elements" if size is None else f"elements of {size:.2g} or less"
@@ -168,13 +168,13 @@ def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
     count = int(mesh.triangles.sum())
     if plate.element == "q8r" and count:
         without = (
-            "Or mesh the plate with quadrilaterals alone."
+            "Or mesh the plate with quadrilaterals only."
             if isinstance(plate, MeshPlate)
-            else "Rectangles without holes have no triangles, nor have discs and annuli without holes and mesh.refine."
+            else "Rectangles without holes, and discs and annuli without holes and mesh.refine, have no triangles."
         )
         raise InputError(
-            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r is a quadrilateral alone. "
-            f'Leave element out: "mitc9" has both. {without}',
+            f"The mesh has {count} triangle{'s' if count > 1 else ''}, and q8r has quadrilaterals only. Leave element "
+            f'out: the default "mitc9" has triangles and quadrilaterals. {without}',
             place=("plate", "element"),
         )
 
@@ -222,7 +222,7 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
         case _:
-            assert isinstance(plate, AnnulusPlate)  # A polygon has no rows of elements.
+            assert isinstance(plate, AnnulusPlate)  # A polygon has no divisions, and is meshed along its outline.
             radii = _radii(model, plate.center, plate.outer)
             return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
 
@@ -264,7 +264,8 @@ def _straight(shape: Region | Curve) -> Floats:
 def _axes(model: Model, plate: OutlinedPlate) -> Axes:
     """Axes in which the mesher works; they do not depend on the axes in which the plate is given.
 
-    The outline decides, then zones, supports, loads and probes in the order of the input.
+    The outline determines the axes. If it leaves a choice, zones, refinements, supports, loads, sections, strips,
+    moving loads and probes decide, in this order.
     """
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
@@ -329,9 +330,9 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
     if (inside := where.region) is not None:
         x0, y0, x1, y1 = inside.bounds
         if inside.area > MOST * part.size**2:
-            message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
+            message = f"found {part.size:g}, with more than {MOST:g} elements in this area. Take larger elements."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        # Points are two element sizes apart: between them, element sizes grow by at most a third.
+        # Points that require the size are two element sizes apart: element sizes between grow by at most a third.
         x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
@@ -339,7 +340,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
 
 
 def _spread(low: float, high: float, step: float) -> Floats:
-    """Middles of equal parts of an interval: the fewest parts that are no longer than ``step``, up to rounding."""
+    """Middles of the equal parts of an interval, divided into as few parts as possible no longer than ``step``."""
     count = math.ceil((high - low) / step - 1e-6)
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
@@ -379,7 +380,7 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (not support.is_elastic or support.at is not None):
-            continue  # Formulas are evaluated only at nodes or at listed points.
+            continue  # Formulas of such supports are evaluated only at nodes or at listed points.
         items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]
@@ -400,17 +401,17 @@ def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
     """Yield three points of each arc and of each quarter of a circle of a border."""
     for x, y, radius in border.outline.circles.tolist():
         for begin, through, end in circle((x, y), radius, "").sides:
-            assert through is not None  # A circle consists of arcs, so that every side of it has a third point.
+            assert through is not None  # A circle consists of arcs, each with a third point.
             yield (*begin, *through, *end)
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
 
 def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
-    """Straight pieces (x0, y0, x1, y1, size) (k, 5) where elements smaller than ``size`` are needed.
+    """Straight pieces (k, 5) at which elements must be smaller than ``size``: x0, y0, x1, y1, element size there.
 
-    They are short sides and small circles of borders, and parts of sides and lines near to other geometry that they do
-    not touch. Sides of one line do not count as near to each other. Parts of lines too near to be followed are left
-    out.
+    The pieces are short sides and small circles of borders, and parts of sides and lines near to other geometry that
+    they do not touch. Sides of one line do not count as near to each other. Parts of ``lines`` are left out if they are
+    too near to other geometry for the mesh to follow them.
     """
     sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
@@ -467,7 +468,7 @@ def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
 
 
 def _divided(side: Floats, longest: float) -> Floats:
-    """Divide a chord into equal pieces (q, 2, 2) no longer than ``longest``."""
+    """Divide chords (k, 2, 2) into pieces (q, 2, 2) no longer than ``longest``; pieces of a chord are equal."""
     parts = [np.zeros((0, 2, 2))]
     for a, b in side:
         # The tolerance avoids an additional piece caused by rounding.

@@ -52,8 +52,8 @@ class Footprints:
         if across < _LEAST * mesh.size:
             key = "patch" if item.radius is None else "radius"
             raise InputError(
-                f"The footprint is {across:g} across, less than a billionth of the plate's size. Leave {key} out for a "
-                "point, or give a larger one.",
+                f"The footprint is {across:g} across, less than a billionth of the plate's size. Give a larger "
+                f"footprint, or a point without {key}.",
                 place=(*place, key),
             )
         result, problems = [], Problems()
@@ -75,21 +75,22 @@ class Footprints:
         """Refuse a footprint beyond the plate; only holes inside it, and the hole around its point, may be covered."""
         mesh, subject = self._mesh, f"The footprint of the point {point(centre, self._mesh.size)}"
         if quadrature.total == 0.0:
-            raise InputError(f"{subject} lies in a hole. Make it larger than the hole, or move the point.", place=place)
+            advice = "Make the footprint larger than the hole, or move the point."
+            raise InputError(f"{subject} lies in a hole. {advice}", place=place)
         hollow, part = self._hollow(centre, shape), self._on_plate(centre, shape)
         missing = off_plate(mesh, shape, quadrature, part)
         if missing > (1.0 + _HOLE_SLACK) * part * hollow:
             raise InputError(
                 f"{subject} has {100 * (missing - part * hollow) / shape.area:.3g} % of its area off the plate. Move "
-                "the point or make the footprint smaller. A hole may be within it, and an edge of symmetry may cut it "
-                "through its middle.",
+                "the point or make the footprint smaller. A footprint may contain a hole, and an edge of symmetry may "
+                "cut its middle.",
                 place=place,
             )
         middle = quadrature.weights @ quadrature.positions / quadrature.total
         if hollow and part == 1.0 and math.dist(middle, centre) > _OFF_MIDDLE * math.sqrt(shape.area):
             raise InputError(
-                f"{subject} has its middle at {point(middle, mesh.size)}, without the holes in it. Put the point into "
-                "the middle of the hole, or move the footprint off the hole.",
+                f"{subject} without the holes in it has its middle at {point(middle, mesh.size)}, not at the point. "
+                "Put the point into the middle of the hole, or move the footprint off the hole.",
                 place=place,
             )
 
@@ -199,8 +200,8 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
 def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[LineQuadrature, Ints]:
     """Move points within tolerance of a node, or of a point in ``taken`` (k, 2), exactly onto it.
 
-    Return the points and their nodes, −1 for points between nodes. Two-sided points at one place then have equal rows.
-    Nearly equal rows would be independent by rounding. One-sided points need no such care, since each may open.
+    Return the points and their nodes, −1 for points between nodes. Two-sided points at one place then have equal rows;
+    rows that are only nearly equal would count as independent. One-sided points are not moved onto each other.
     """
     nodes = mesh.nodes_at(sampled.positions)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)

@@ -1,9 +1,9 @@
 """Where supports and loads act: keys of the model are converted to points of the mesh.
 
 A rigid area acts on the mean deflection of every element, and at points on its outline. More points within an element
-would outnumber its free deflections. The means alone end half an element short of the outline, on which a tipping plate
-rests. So corners of elements on the outline carry forces too. The midsides between them remain free to satisfy the
-means, so that pressures are as accurate as with means alone (docs/theory.md, section 5).
+would outnumber its free deflections. Forces on means act at least half an element inside the outline, but a tipping
+plate rests on the outline. So corners of elements on the outline carry forces too. The midsides between these corners
+remain free to satisfy the means, so that pressures are as accurate as with means alone (docs/theory.md, section 5).
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ Circles are replaced by polygons, so that points on a circle are slightly off th
 _APART = 0.25
 """Least distance between points on an outline, relative to the element's size."""
 _FOUR = 4
-"""Least number of points on a convex hull.
+"""Least number of points on the convex hull of an area.
 
 Four points resist both slopes equally, on a circle and on a rectangle.
 """
@@ -94,7 +94,7 @@ def located(
         elements = np.where(where.inside, where.elements, mesh.beside(positions))
         middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
         where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
-    # The input gives a point on a circle; the parabola that approximates the circle is within tolerance of this point.
+    # A point that the input gives on a circle is moved onto the parabola that approximates the circle.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
     return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
@@ -200,7 +200,7 @@ def _require_on_plate(
     if points.total == 0:
         apart = length(_apart(mesh, shape), mesh.size)
         raise InputError(
-            f"{subject} is not on the plate: it misses it by {apart}. Move it onto the plate.", place=place
+            f"{subject} is not on the plate: it misses the plate by {apart}. Move it onto the plate.", place=place
         )
     whole = shape.length if isinstance(shape, Polyline | Ring) else shape.area
     missing = off_plate(mesh, shape, points)
@@ -225,7 +225,7 @@ def _require_on_plate(
 
 
 def _apart(mesh: Mesh, shape: Region | Curve) -> float:
-    """Distance between the plate and a shape whose outline lies off the plate."""
+    """Distance between the plate and a shape that lies entirely off the plate."""
     drawn = Targets.along(shape.outline)
     begin, end = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])].transpose(1, 0, 2)
     ends = np.concatenate([shape.outline.segments.reshape(-1, 2), shape.outline.arcs.reshape(-1, 2)])
@@ -331,7 +331,7 @@ def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> Ou
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # In an area of one or two elements, fewer points would resist one slope only, depending on the order of points.
+        # In an area of one or two elements, the points kept so far may all be on one line, and resist one slope only.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
@@ -376,7 +376,7 @@ def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
 
 
 def _corners(shape: Region) -> Floats:
-    """Corners (c, 2) of a region; of arcs and circles, the extreme points in x and y."""
+    """Corners (c, 2) of a region; arcs and circles contribute their extreme points in x and y."""
     if isinstance(shape, Hollow):
         return _corners(shape.around)
     if isinstance(shape, Circle):

@@ -59,7 +59,7 @@ def _advice(argument: object) -> str:
         case str() | os.PathLike():
             return "Load the file first: signorini.load(file)."
         case Mapping():
-            return "Make one of the mapping first: signorini.validate(mapping)."
+            return "Make a Model from the mapping first: signorini.validate(mapping)."
         case _:
             return "Make one with signorini.Model(...) or signorini.load(file)."
 
@@ -68,8 +68,8 @@ def _advice(argument: object) -> str:
 class _Joint:
     """Contact points of a support between two plates.
 
-    Their rows are over both plates, with elements of the upper plate first. ``support``, ``upper`` and ``lower`` are
-    indices in the whole model.
+    Their rows are over the dofs of both plates, with elements of the upper plate first. ``support``, ``upper`` and
+    ``lower`` are indices in the whole model.
     """
 
     support: int
@@ -317,7 +317,7 @@ def _of_whole(
     index: int,
     whole: Discretisation,
 ) -> OfWhole:
-    """Member with index ``index`` of the joined plates; contacts with other plates become supports of its own model."""
+    """Plate with index ``index`` and its indices into the joined arrays; its contacts become supports of its model."""
     plate, numbers = each[index], parts[index].numbers["support"]
     nodes, elements, springs, contacts, redundant = (np.cumsum([0, *map(count, each)]) for count in _COUNTS)
     tables, places = [plate.contacts], [np.arange(contacts[index], contacts[index + 1])]

@@ -141,7 +141,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Pieces (laws, p) of all laws: slope, force at the corner, first or last; ranges of force (laws, p, 2)."""
+        """Tables (laws, p) of all pieces: slope, force at the corner, mask of end pieces; force ranges (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
@@ -161,7 +161,7 @@ class ContactPoints(Table, Brief):
     def room(self, travel: Floats, reaction: Floats) -> tuple[Floats, Floats]:
         """Distances (m,) by which each point can travel backward, and forward, without a change of its reaction.
 
-        They start at ``travel``, on the piece that contains ``reaction``.
+        The point starts at ``travel``, on the piece of its law that contains ``reaction``.
         """
         backward, forward = np.zeros(len(self)), np.zeros(len(self))
         for law, points in self.by_law:
@@ -206,7 +206,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def rigid_ways(self) -> tuple[Bools, Bools]:
-        """Whether each point (m,) resists motion down rigidly, and motion up: its law ends with a rigid piece."""
+        """Masks of points (m,) that resist motion down rigidly, and motion up: their laws end with a rigid piece."""
         before, beyond = np.isinf([law.ends for law in self.laws])[self.law].T
         pushes_up = self.direction > 0.0
         return np.where(pushes_up, beyond, before), np.where(pushes_up, before, beyond)

@@ -18,7 +18,7 @@ from signorini.model import Model, Tightening
 def bolt_groups(
     model: Model, contacts: ContactPoints, bolt_round: Tightening, place: Place = ()
 ) -> list[tuple[int, Ints, Floats]]:
-    """Return the groups of a round as (order, points (k,), forces (k,)); forces are positive.
+    """Return the groups of bolts of a round of tightening as (order, points (k,), forces (k,)); forces are positive.
 
     A support with a preload has a group for each value of ``order``; a [[tightening]], for each entry of ``sequence``.
     """
@@ -62,7 +62,7 @@ def require_preloads(
                         raise InputError(
                             f"found {factor * force[worst]:g}{times}; at "
                             f"{point(contacts.positions[bolts][worst], mesh.size)} the bolt gives "
-                            f"{strength[bolts][worst]:g} at most. Tighten it less, or raise its limit or law.",
+                            f"{strength[bolts][worst]:g} at most. Tighten the bolt less, or raise its limit or law.",
                             place=where,
                         )
 
@@ -75,7 +75,7 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
         if number not in numbers:
             raise InputError(
                 "rigid supports hold the plate both ways there, so that the force of the bolt would not depend on the "
-                "load. Leave out its preload, or give those supports a stiffness.",
+                "load. Leave out the preload, or give these supports a stiffness.",
                 place=("support", index, key, number),
             )
 

@@ -36,7 +36,7 @@ _ON_EDGE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PunchedColumn:
-    """A column of a plate: its check in mm and N, ``length`` mm and ``force`` N per unit of the model."""
+    """A column of a plate with its punching check in mm and N; the model's units are ``length`` mm and ``force`` N."""
 
     column: ColumnAt
     check: Check
@@ -46,21 +46,21 @@ class PunchedColumn:
 
     @cached_property
     def regions(self) -> tuple[Rounded, ...]:
-        """Areas (p,) inside the control perimeters."""
+        """Regions (p,) inside each of the column's p control perimeters."""
         return tuple(_region(perimeter.whole, self.length) for perimeter in self.check.perimeters)
 
     def drawn(self, pieces: Pieces) -> list[Floats]:
-        """Points (k, 2) along each of the pieces, in units of the model."""
+        """Points (k, 2) along each piece of a control perimeter, in units of the model."""
         points = pieces.at(np.linspace(0.0, 1.0, 17)) / self.length
         return [np.column_stack([z.real, z.imag]) for z in points]
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns (c,) of a plate with all their regions (r,).
+    """Columns (c,) of a plate, and the regions (r,) inside all their control perimeters.
 
-    Loads are reduced to r + 3c numbers: the downward forces inside the regions, and for each column the downward force
-    and the couples on θx and θy that act on it.
+    A load is reduced to r + 3c numbers: the downward forces inside the regions, and for each column the downward force
+    and the couples on θx and θy that act on the column.
     """
 
     mesh: Mesh
@@ -88,7 +88,7 @@ class Columns:
 
     @property
     def count(self) -> int:
-        """Number r + 3c of numbers."""
+        """Count r + 3c of the numbers to which a load is reduced."""
         return len(self.regions) + 3 * len(self.columns)
 
     @cached_property
@@ -98,7 +98,7 @@ class Columns:
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
     def of_points(self, forces: Quadrature) -> Floats:
-        """Numbers (r + 3c,) of downward point forces, which are the weights."""
+        """Numbers (r + 3c,) of downward point forces, which are the weights of ``forces``."""
         return self._numbers(lambda region: forces.weights[region.contains(forces.positions)].sum())
 
     def of_line(self, divided: Callable[[Levels], Quadrature]) -> Floats:
@@ -116,7 +116,7 @@ class Columns:
         around = np.concatenate([np.zeros((0, 2)), *getattr(shape, "loops", ())])
 
         def inside(region: Rounded) -> float:
-            # Regions of columns are convex.
+            # The region is convex, so that it contains the whole load if it contains all corners of the load's outline.
             if len(around) and region.contains(around).all():
                 return forces.total
             points = over(region, self.mesh, shape, spread.order, spread.levels)
@@ -142,7 +142,7 @@ class Columns:
 
 def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
     """Quadrature over the part of ``shape`` in a region; arguments are as in `area_quadrature`."""
-    # Loads of several cases have the same footprint, for instance that of a column.
+    # Quadratures without levels are stored: loads of several cases often have one footprint, such as a column's.
     return _divided_over(region, mesh, shape, order, levels) if levels else _over(region, mesh, shape, order)
 
 
@@ -169,9 +169,9 @@ def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
         faces = (bars.bottom_x, bars.bottom_y) if on_raft else (bars.top_x, bars.top_y)
         d = d or (thickness / length - faces[0], thickness / length - faces[1])
         rho, fck, fyk = table.rho or (bars.least, bars.least), fck or own.fck, fyk or own.fyk
-    assert d is not None and fck is not None and fyk is not None  # They are required without [reinforcement].
+    assert d is not None and fck is not None and fyk is not None  # All three are required without [reinforcement].
     if min(d) <= 0.0:
-        raise InputError("The plate is thinner than the distance of its bars from the face. Give d.")
+        raise InputError("The plate is thinner than the distance of its bars from the face. Give the depth d.")
     given, depths = None if table.beta == "computed" else table.beta, (length * d[0], length * d[1])
     strengths, rings = (fck * force / length**2, fyk * force / length**2), [length * r for r in _rings(model, mesh)]
     outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
@@ -205,7 +205,7 @@ def _rings(model: Model, mesh: Mesh) -> Sequence[Floats]:
 
 
 def _region(whole: Pieces, length: float) -> Rounded:
-    """The region inside closed pieces, in units of ``length`` mm."""
+    """Region inside a closed control perimeter ``whole`` in mm; the region is in units of ``length`` mm."""
     start, middle = (whole.at(np.array([0.0, 0.5])) / length).T
     through = [None if straight else (z.real, z.imag) for z, straight in zip(middle, whole.radius == 0.0, strict=True)]
     return Rounded(Contour(tuple((z.real, z.imag) for z in start.tolist()), tuple(through), ("",) * len(start)))

@@ -24,7 +24,7 @@ Entries have rounding errors of 1e-15; rows of two points 1e-9 of an element apa
 _CLEAR = 1e-10
 """Least pivot in the elimination of G Gᵀ, with rows G of unit length, at which the rows count as independent."""
 _MOST = 10_000
-"""Largest number of rigid two-sided points between nodes; dependent rows are found with a dense matrix."""
+"""Largest number of rigid two-sided points between nodes, since dependent rows are found with a dense matrix."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def times(rows: csr_array, factor: Floats) -> csr_array:
 
 def parallel(rows: csr_array) -> tuple[Ints, Floats]:
     """Index (m,) of each row's direction, which parallel rows share, and signed norm (m,) of the row along it."""
-    # Unit rows are parallel if their products with two random vectors are equal up to a common sign.
+    # Two unit rows count as parallel if their products with two random vectors are equal up to a common sign.
     fields = np.random.default_rng(0).normal(size=(rows.shape[1], 2))
     length = lengths(rows)
     said = (rows @ fields) / length[:, None]
@@ -165,7 +165,7 @@ class Repeated:
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """Points (p,) whose reactions are not unique; ``ways`` (p, k) is a basis of reactions λ with Gᵀλ = 0."""
+    """Points (p,) whose reactions are not unique; ``ways`` (p, k) is a basis of their reactions λ with Gᵀλ = 0."""
 
     points: Ints
     ways: Floats
@@ -232,7 +232,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
     result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
-        # Within one line or area, results do not show the reactions of single points.
+        # Groups of points of one line or area are omitted: results do not show the reactions of their points.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
             continue
         groups, own = np.unique(group[mine], return_inverse=True)
@@ -282,7 +282,7 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # If a point is pressed, the point of the opposite direction at the same place is kept too.
+    # If held dofs press a point, the point of the opposite direction at the same place is kept too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))

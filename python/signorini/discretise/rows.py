@@ -17,7 +17,10 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Pieces = npt.NDArray[np.uint8]
 RANK = 1e-9
-"""Rank tolerance for products of rows with rigid motions of unit deflection, relative to max(σ₁, 1)."""
+"""Rank tolerance for products of rows with rigid motions of unit deflection, relative to max(σ₁, 1).
+
+σ₁ is the largest singular value.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +69,9 @@ class Rows:
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
     def slope_along(self, along: Floats, other: Rows) -> Rows:
-        """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and θy (``other``).
+        """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and of θy (``other``).
 
-        Both are in the same elements.
+        The rows of θx and θy have the same elements.
         """
         further, beyond = self.further, along[self.further.owners]
         coefficients, further_coefficients = (
@@ -178,7 +181,7 @@ class Rows:
 
 
 def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> csr_array:
-    # Rows of a deflection have nonzero entries in a third of the columns only.
+    # Only columns with nonzero entries are kept: rows of a deflection have them in a third of the columns.
     columns = np.flatnonzero(coefficients.any(axis=0))
     dofs: npt.NDArray[Any] = 3 * elements.take(columns // 3, axis=1) + columns % 3
     starts: npt.NDArray[Any] = len(columns) * np.arange(len(owners) + 1)
@@ -241,7 +244,7 @@ class Table:
 
 
 def null_space(rows: Floats, rounding: float = RANK) -> Floats:
-    """Basis (n, k) of the null space of rows (m, n); the rank tolerance is relative to max(σ₁, 1)."""
+    """Basis (n, k) of the null space of rows (m, n), whose rank tolerance ``rounding`` is relative to max(σ₁, 1)."""
     if not len(rows):
         return np.eye(rows.shape[1])
     # R of the QR factorization has the same singular values as the rows, but is small.

@@ -85,7 +85,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
 def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
     """Edges of the plate as targets, one target for each name, and the plate's diameter."""
     if not isinstance(model.plate, OutlinedPlate):
-        assert mesh is not None  # This plate is read from a file.
+        assert mesh is not None  # A plate without an outline is read from a file with its mesh.
         nodes = mesh.points[mesh.boundary]
         corners, sides = Targets.of(nodes[:, 0].tolist()), Sides(nodes, model.mesh.snap)
         return [_Target("boundary", corners, sides, np.zeros((0, 3)))], mesh.diameter
@@ -273,6 +273,7 @@ class _Snapper:
 
     def _degenerates(self, path: Place) -> InputError:
         return InputError(
-            f"With mesh.snap = {self.reach:g} it degenerates. Take a smaller snap, or draw it at its final place.",
+            f"With mesh.snap = {self.reach:g} this line or area degenerates. Take a smaller mesh.snap, or draw the "
+            "line or area at its final place.",
             place=path,
         )

@@ -182,7 +182,7 @@ def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
 
 
 def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
-    """Whether the section jumps between two elements, at pairs (k, 2): the same side seen from each element."""
+    """Mask (k,) of sides at which the section jumps; ``pairs`` (k, 2) are 4·element + side in both elements."""
     begin, end = mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4)
     elements, middle = pairs.ravel() // 4, 0.5 * (begin + end)
     nearer, farther = (
@@ -195,10 +195,10 @@ def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
 
 
 def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
-    """Whether an area covers only one of two elements, at pairs (k, 2): the same side seen from each element."""
+    """Mask (k,) of sides of which an area covers only one of both elements; ``pairs`` are as in `_jumps`."""
     elements = np.repeat(pairs.ravel() // 4, 2)
     begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
-    # The second element traverses the side in the opposite direction.
+    # The second of the two elements at a side traverses this side in the opposite direction.
     station = np.stack([_STATIONS, _STATIONS[::-1]])[np.arange(pairs.size) % 2].ravel()[:, None]
     beside = mesh.inward(elements, begin + station * (end - begin), 1.0 - _ASIDE)
     covered = area.contains(mesh.map(elements, beside)).reshape(-1, 2, 2)

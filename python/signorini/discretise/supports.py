@@ -67,7 +67,10 @@ A stiffer spring changes no result in eight digits, but increases rounding in K.
 rigid, since its force would be the rounding of penetrations.
 """
 _LEAST_PART = 0.1
-"""Least part of a support, by weight, on which a table must give a stiffness; a smaller part suggests wrong units."""
+"""Least part of a support (of its points, length or area) to which a table must give a stiffness.
+
+A smaller part suggests wrong units of the table.
+"""
 _NONE = 1e-12
 """Largest coefficient of a row that counts as zero; the shape functions in a row have the sum 1."""
 
@@ -193,7 +196,7 @@ def _require_covered(plate: SupportedPlate, placed: Placed) -> None:
         reach = f"; {point(quadrature.positions[int(inside.argmin())])} lies beyond the table"
     part = 100.0 * float(quadrature.weights[inside].sum() / quadrature.total)
     raise InputError(
-        f"{field} covers {part:.4g} % of the {measure} of {placed.support.name}{reach}. It must cover all of the "
+        f"{field} covers {part:.4g} % of the {measure} of {placed.support.name}{reach}. The table must cover the whole "
         'support. Add points, or give the value outside the table: outside = "nearest" takes the nearest value, '
         "outside = 0 no stiffness.",
         place=stiffness_place(placed.support, placed.place),
@@ -219,12 +222,12 @@ def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
     if placed.points is not None and not supported.all():
         position = point(acting.positions[int(supported.argmin())])
         raise InputError(
-            f"{field} gives no stiffness at {position}. Leave that point out, or give it one.", place=place
+            f"{field} gives no stiffness at {position}. Leave that point out, or give it a stiffness.", place=place
         )
     if part <= _LEAST_PART:
         raise InputError(
-            f"{field} gives a stiffness to {part:.2g} of the support; it must be more than {_LEAST_PART:g}. Make the "
-            "support smaller, or give more of it a stiffness: outside a table the stiffness is 0.",
+            f"{field} gives a stiffness to {part:.2g} of the support; this part must be more than {_LEAST_PART:g}. "
+            "Make the support smaller, or give a larger part a stiffness: outside a table the stiffness is 0.",
             place=place,
         )
     return acting.pick(supported)
@@ -293,7 +296,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
     """
     support, place = placed.support, placed.place
     mesh, elastic, one_sided = plate.mesh, support.is_elastic, not acts_both_ways(support)
-    # At an element with a held corner, points on the outline would have no free dof.
+    # Elements with a held corner get no points on the outline, since these might have no free dof.
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     quadrature = in_area(
@@ -355,7 +358,7 @@ def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
 
 
 def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
-    """Table of a support's points ``acting`` with the laws ``graphs``."""
+    """Contact points of a support: its points ``acting`` with the laws ``graphs``."""
     where = ~np.isnan(acting.slope), acting.positions, acting.weights, np.full(len(acting), placed.index, np.int64)
     return ContactPoints.of(graphs, acting.rows, *where, acting.shared, acting.numbers)
 

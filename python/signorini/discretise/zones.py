@@ -24,12 +24,12 @@ from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
-"""Largest part of an element's area, or of a smaller zone's, between a border and sides that approximate the border.
+"""Largest area between a zone's border and the element sides that approximate it, relative to the element's area.
 
-A parabola over 45° of a circle has this error.
+The area of the zone counts in its place if it is smaller. A parabola over 45° of a circle has this error.
 """
 _ROUNDING = 1e-6
-"""Value used in place of `_SLIVER` in elements with a narrow strip between zones, whose area is not an error."""
+"""Value in place of `_SLIVER` in elements with a narrow strip between zones, since the strip's area is no error."""
 _NARROW = 0.05
 """Largest width of a strip between zones that counts as narrow, relative to the side of an element."""
 _BESIDE = 1e-6

@@ -15,20 +15,20 @@ from signorini.errors import InputError, point
 from signorini.shapes.extent import hull
 
 NO_FORCE = 1e-6
-"""Largest resultant that counts as zero, relative to the sum of the forces. Loads along arcs have an error, since
-element sides are parabolas.
+"""Largest resultant that counts as zero, relative to the sum of the forces. The resultant of a load along an arc has
+such an error, since element sides are parabolas.
 """
 _HELD = 1e-4
-"""Smallest stiffness of supports against a rigid motion, relative to the required stiffness. Four of sixteen digits are
-lost.
+"""Smallest stiffness against a rigid motion at which supports hold this motion, relative to the required stiffness. At
+this stiffness the solution loses four of sixteen digits.
 """
 _PLANE = np.array([1.0, 1.0j])
-"""Vector whose product with a position (x, y) is x + iy; these numbers are compared in place of positions."""
+"""Vector whose product with a position (x, y) is the complex number x + iy, by which equal positions are found."""
 _MANY = 100
-"""Largest number of points that are all kept. If there are more, only the corners of their convex hull are kept."""
+"""Largest number of support positions that are all kept. More positions are reduced to corners of their convex hull."""
 
 _MOST_NUMBERS = 1 << 20
-"""Largest number of products (ray times point displacement) in memory at once."""
+"""Largest number of products (ray of rigid motions times displacements of a support position) in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     outlines = _outlines(discretisation, motions)
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
-        # A point's limit depends on its length or area, so the corners of the hull do not suffice.
+        # Each contact point has a force limit of its own, so that all points are needed, not only corners of the hull.
         moves_one_sided = moves[~contacts.two_sided]
         on_mesh = outlines = Bearing(one_sided.positions, moves_one_sided, one_sided.support, least, most)
     regular = null_space(in_stiffness).shape[1] == 0
@@ -128,7 +128,7 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(support_and_direction), 2), strict=True):
         if field_of(discretisation.model.support[index]) is not None:
-            # The support's table of stiffness may be 0 in part of its outline.
+            # A stiffness given as a table may be 0 on part of the outline; the contact points exclude this part.
             reach = contacts.positions[(contacts.support == index) & ~contacts.two_sided]
         else:
             reach = _outline(discretisation, int(index))
@@ -144,7 +144,7 @@ def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
     deciding = [np.zeros(0, np.int64)]
-    # With several plates, positions of different supports belong to different plates.
+    # With several plates, different supports may belong to different plates, so that each support is a group.
     groups = supports if discretisation.plates else np.zeros_like(supports)
     for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
         members = np.flatnonzero((groups == group) & (directions == direction))
@@ -189,7 +189,7 @@ def _name_motion(mechanism: Floats, discretisation: Discretisation) -> str:
     if mechanism.shape[1] == 3:
         return "any rigid motion, it has no support"
     if mechanism.shape[1] == 2:
-        return "turning about a point in two directions"
+        return "turning about every line through one point"
     return describe_motion(mechanism[:, 0], discretisation)
 
 
@@ -235,7 +235,7 @@ def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, st
     always = np.vstack([springs, points[two_sided]])
     if is_held(always):
         return two_sided
-    # Gram-Schmidt with pivoting: each step takes the longest remaining row. Its point is at a corner of the hull.
+    # Gram-Schmidt with pivoting: each step takes the longest remaining row, whose point is far from those taken before.
     rest, picked = np.vstack([springs, points]), two_sided.tolist()
     for _ in range(unheld.shape[1]):
         lengths = np.linalg.norm(rest, axis=1)
@@ -280,6 +280,6 @@ def allowed_motions(bearing: Bearing) -> Floats | None:
     size = np.abs(rays).max(axis=1, initial=0.0)
     rays = rays[size > RANK * size.max(initial=0.0)] / size[size > RANK * size.max(initial=0.0), None]
     rays = np.concatenate([rays, -rays])
-    # The rays are divided into parts, since the products of all rays with all points may exceed the memory.
+    # Rays are tested in several parts, since the products of all rays with all points may exceed the memory.
     parts = np.array_split(rays, 1 + len(rays) * len(one_sided) // _MOST_NUMBERS)
     return np.concatenate([part[(part @ one_sided.T).max(axis=1, initial=-np.inf) <= RANK] for part in parts])

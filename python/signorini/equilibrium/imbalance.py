@@ -27,11 +27,11 @@ _UP_AND_DOWN = 1e-5
 motions with equal rotations.
 """
 _ROUNDING = 1e-9
-"""Largest reactions and motions that count as zero, relative to the largest ones."""
+"""Reactions and motions up to this value count as zero, relative to the largest reaction or motion."""
 WORK = 1e-10
 """Largest work that counts as zero, relative to the size of the load times the largest component of the motion."""
 _COARSE = 1e-5
-"""Largest extra load, relative to the load, that is inaccurate because of a linear program's tolerance 1e-7."""
+"""Extra loads up to this part of the load are computed from extreme rays: a linear program has the tolerance 1e-7."""
 _CLOSED = 1e-7
 """Largest opening of a point that counts as closed while the plate tips, relative to the largest opening."""
 _LIFTS = 1e-9
@@ -39,13 +39,13 @@ _LIFTS = 1e-9
 _MOST_HINGES = 4
 """Largest number of hinges of one support that a message lists."""
 _MOST = 1e6
-"""Largest limit of a load case, as a multiple of the case's factor. A case with a larger limit counts as unlimited."""
+"""Largest multiple of a load case's factor that counts as a limit of equilibrium. Above it a case has no limit."""
 _ALIKE = 1e-9
-"""Largest relative difference of two limits that count as equal."""
+"""Limits of equilibrium of two load cases count as equal up to this relative difference."""
 _OVERLAP = 1e-7
 """Smallest overlap at which rigid supports count as contradictory, relative to the largest gap or settlement."""
 _BRINK = 1e-9
-"""Largest common lower bound of balanced reactions at which equilibrium counts as marginal, relative to the load."""
+"""Equilibrium is marginal if reactions that balance the load cannot all exceed this value, relative to the load."""
 CONTRADICTION = (
     "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
     "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
@@ -325,7 +325,7 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
 
 
 def _at_limits(discretisation: Discretisation, why: Imbalance) -> str:
-    """Text for the supports that yield, such as " at the limits of soil and anchors"; empty without one."""
+    """Text for the supports that yield, such as " at the limits of soil and anchors"; empty if no support yields."""
     names = [discretisation.model.support[index].name for index in why.supports.tolist()]
     return f" at the limit{'s' * (len(names) > 1)} of {' and '.join(names)}" if names else ""
 
@@ -421,7 +421,7 @@ def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
 
 
 def imbalance_of(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
-    """`imbalance` of a combination, with ``limit``; None if reactions balance the load."""
+    """`Imbalance` of a combination, including its ``limit``; None if reactions balance the load."""
     why = imbalance(discretisation, freedom, discretisation.load(combination).weighing)
     return None if why is None else replace(why, limit=nearest_limit(discretisation, freedom, combination))
 
@@ -477,7 +477,7 @@ def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats
 
 
 def supports_contradict(discretisation: Discretisation) -> bool:
-    """Whether no deflection of the plate agrees with all rigid supports. A linear program finds their least overlap."""
+    """Whether no deflection agrees with all rigid supports. A linear program finds the least overlap of supports."""
     contacts, held = discretisation.contacts, discretisation.held
     rigid = contacts.unyielding
     rows = csr_array(discretisation.contact_rows[np.flatnonzero(rigid)])
@@ -512,8 +512,8 @@ def largest_factor(
     strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
     # The linear program has the unknown t/unit and finds limits up to `_MOST` units.
     # The first unit makes the loads ``rest`` and unit·``case`` equal in size.
-    # Without ``rest``, the first unit makes unit·``case`` equal in size to the least limit.
-    # The unit grows while t exceeds `_MOST` units, until unit·``case`` reaches the sum of all limits.
+    # Without ``rest``, the first unit makes unit·``case`` equal in size to the least force limit of a support position.
+    # The unit grows while t exceeds `_MOST` units, until unit·``case`` reaches the sum of all force limits.
     unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
     while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
         most = limits[-1]

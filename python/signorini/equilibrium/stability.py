@@ -14,12 +14,12 @@ from signorini.equilibrium.imbalance import WORK, largest_factor
 from signorini.model import Combination
 
 _BLOCK = 1 << 20
-"""Largest number of products of motions and loads in memory at once."""
+"""Largest number of work values (extreme rays times combinations) in memory at once."""
 
 
 @kept
 def _freedom(discretisation: Discretisation) -> tuple[RigidFreedom, Floats | None]:
-    """Free rigid motions of the plate, and the extreme rays (r, d) of those that the supports allow."""
+    """Free rigid motions of the plate, and the extreme rays (r, d) of the cone of motions that the supports allow."""
     freedom = rigid_freedom(discretisation)
     return freedom, allowed_motions(freedom.outline)
 
@@ -32,10 +32,10 @@ def _work(discretisation: Discretisation, case: str) -> tuple[Floats, float]:
 
 
 def load_factors(discretisation: Discretisation, combinations: Sequence[Combination], grows: Collection[str]) -> Floats:
-    """Largest factors λ (k,) of the ``grows`` cases with equilibrium; infinite without a limit.
+    """Largest factors λ (k,) of the load cases ``grows`` with equilibrium in each of k combinations; infinite if none.
 
-    The other cases of a combination keep their factors. A moving load grows at all its positions. λ is 0 if no λ ≥ 0
-    has equilibrium, or if only λ > 1 have.
+    The other cases of a combination keep their factors. A moving load grows at all its positions. λ is 0 if no λ ≥ 0,
+    or only a λ > 1, gives equilibrium.
 
     The plate is a rigid body. A load is balanced if it does no positive work a + λ b in any extreme ray of the allowed
     motions (`allowed_motions`), so that λ = min −a/b over the rays with b > 0: the resultant reaches the edge of the

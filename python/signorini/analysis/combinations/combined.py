@@ -34,7 +34,7 @@ _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
 """Largest number of combinations in one block, and largest number of values in its columns."""
 _DEFLECTIONS = 500_000
-"""Largest number of nodal deflections in memory at once (4 MB) while contact areas are computed."""
+"""Largest number of means beside singularities that are in memory at once (4 MB)."""
 _FEW_POINTS = 100
 _MOST_POINTS = 500
 """Limits for the number of contact points. Up to the first limit, responses of all points are always computed; above
@@ -242,7 +242,7 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        # Bolts are tightened in the problem's plates; the layout has the plates before tightening.
+        # In the problem's plates the bolts are tightened; the layout's plates are those before tightening.
         plates = self.problem.discretisation.members
         for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
             points = plate.points
@@ -313,7 +313,7 @@ class _Run:
         coefficients: Floats,
         acting: Bools,
     ) -> None:
-        """Store extremes of a plate's means at singular points; ``acting`` (r, c) marks the load cases in each row."""
+        """Store extremes of means beside a plate's singularities; ``acting`` (r, c) marks each row's load cases."""
         assert self.terms is not None
         beside = member.beside
         named = [(name, place) for place, name in enumerate(self.layout.fields) if name in PEAKING]

@@ -21,8 +21,8 @@ from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import at_faces, faces_of, means_of
 
 _WATCHED = 64
-"""Number of nodes, and approximate number of dofs, whose deflections and loads are lower bounds of a sum's largest
-deflection and load.
+"""Number of nodes, and approximate number of dofs, whose largest deflection and load are lower bounds of the largest
+deflection and load of a sum of terms.
 """
 
 
@@ -44,7 +44,7 @@ class Watch:
 
 
 class Sizes(NamedTuple):
-    """Data of one term that certificates need; with a leading axis (b,), data of b terms."""
+    """Data of one term of the sums that certificates need; with a leading axis (b,), data of b terms."""
 
     moved: Floats
     """(m,): displacement Gu of every contact point."""
@@ -107,7 +107,7 @@ def _units(discretisation: Discretisation) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Data that certificate errors of sums are computed from.
+    """Data from which the certificate errors of sums of terms are computed.
 
     ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows times rigid motions. ``grip`` (m, 1) is the
     largest entry of each contact row.
@@ -195,7 +195,7 @@ class PlateTerms:
     linear: Linear
     """Linear readings of the terms; the first axis of each array is (b,)."""
     means: Floats
-    """Means (b, 10k) at the k places of `Beside`."""
+    """Means (b, 10k) of moments and shears over a width beside the k singular points of `Beside`."""
 
     @classmethod
     def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
@@ -309,7 +309,7 @@ class _Terms:
             for place, name in enumerate(LINEAR)
             if name in self._names
         ]
-        # Only envelopes of fields need means at singular points.
+        # Only envelopes of fields need means beside singularities.
         means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
         linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
         moment, of_bars = stress[:, :3], list[Floats]()

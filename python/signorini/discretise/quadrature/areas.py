@@ -144,7 +144,7 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
     The result is 0 within a tolerance: rounding, for a region also a strip of a millionth of the plate's size, and the
     area between the plate's round outline and the parabolas of its elements.
     """
-    # Positions on outlines have the rounding of coordinates.
+    # Positions on an outline are uncertain by the rounding of coordinates.
     apart = _ROUNDINGS * float(np.finfo(float).eps) * float(np.abs(mesh.points).max())
     if isinstance(where, Ring | Polyline):
         measure, slack = where.length, apart

@@ -29,15 +29,15 @@ from signorini.shapes.cuts import Part
 _STRAIGHT = 1e-14
 """Largest bend of a side that counts as straight, relative to its coordinates."""
 _THIN = 1e-13
-"""Least width of a strip and area of a cell, relative to the element's, and least weight, relative to the cell's."""
+"""Least width of a strip and area of a cell, relative to the element; least weight of a point, relative to the cell."""
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Least width of a strip, relative to the coordinates of the element: common ends of sides are rounded."""
+"""Least width of a strip, relative to the element's coordinates: ends of neighbouring sides differ by rounding."""
 _SLIVER = 1e-12
 """Largest uncovered area of an element that counts as whole, relative to the element's area."""
 _ALONG = 1e-9
 """Largest distance of nodes from a circle that the mesh follows, relative to the mesh's size."""
 _CONVERGED = 1e-13
-"""Largest change of converged moments, relative to the area of the element's box or of the region."""
+"""Largest change by bisection of moments that have converged, relative to the area of the element's box or region."""
 _CURVED_POINTS = 8
 """Number of Gauss points in x of a cell that curves bound."""
 _BISECTIONS = 40
@@ -118,7 +118,7 @@ class Pieces(Table):
     def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
         (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
         sign = self.sign[index]
-        # The root is dx/dt. Take the formula for t without cancellation.
+        # ``root`` is dx/dt. Of the two formulas for t, the formula without cancellation is taken at each x.
         root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
@@ -142,7 +142,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Table):
-    """Cells: cut element (c,), range in x (c, 2), lower and upper curve (c, 2), vertical tangents at ends (c, 2)."""
+    """Cells of cut elements ``owner`` (c,): range in x (c, 2), lower and upper curve (c, 2), vertical end tangents."""
 
     owner: Ints
     x: Floats
@@ -178,8 +178,7 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
     centres = mesh.map(clear, mesh.inward(clear, np.zeros((len(clear), 2)), 0.0))
     whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
     owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
-    # Coordinates are taken from the region's middle: far from the origin, rounding would decide the order of touching
-    # curves.
+    # Coordinates are relative to the region's middle, so that rounding does not decide the order of touching curves.
     origin = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
     sides = mesh.points[mesh.sides[cut_elements]] - origin
     segments, circles = region.outline.segments[segment] - origin, region.outline.whole_circles[circle]

@@ -22,7 +22,7 @@ from signorini.shapes.outlines import Outline, Side, arc_through
 _SAME = 1e-13
 """Relative rounding errors of coordinates, and of the angles of thirds of a circle."""
 _TOUCHED = 1e-6
-"""Least length of a piece relative to its arc: tangent points are computed to half of the digits."""
+"""Least length of a piece of an arc, relative to the arc: points of tangency have only half of the digits."""
 _STRAIGHT = 1e-9
 """Largest distance of a side from the line on which it lies, relative to the length of the side."""
 _NONE = np.zeros((0, 2))
@@ -121,8 +121,8 @@ Arc: TypeAlias = Segment | PartOfCircle
 def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
     """Increasing arc lengths at which an arc is divided: its ends, and its crossings with sides (k, 3, 2).
 
-    The points of the arc nearest to ``beside`` (q, 2) are included. A full circle begins and ends at the first of
-    these.
+    The points of the arc nearest to ``beside`` (q, 2) are included. A full circle begins and ends at its first
+    division.
     """
     s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
     if isinstance(arc, PartOfCircle) and arc.closed:
@@ -207,8 +207,7 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
     """
     sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
-        # A circle crosses parabolic sides along it at midside nodes too, which would make more pieces than free
-        # deflections.
+        # Sides along the circle are omitted: crossings at midside nodes would make more pieces than free deflections.
         along = mesh.sides_on(curve)
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]

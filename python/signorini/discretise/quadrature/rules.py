@@ -92,9 +92,9 @@ def radon() -> tuple[Floats, Floats]:
 
 
 def collapsed(corners: Floats, along: tuple[Floats, Floats], across: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Points and weights on a triangle (3, 2): a rule ``along`` lines from its first corner, a rule ``across`` them.
+    """Points and weights on a triangle (3, 2), by a rule ``along`` lines from its first corner and a rule ``across``.
 
-    Rules exact to the degree n are exact on the triangle to n − 1. Points of weight 0 are left out.
+    With rules exact to the degree n the result is exact to the degree n − 1. Points of weight 0 are left out.
 
     Examples
     --------

@@ -22,7 +22,7 @@ from signorini.mesh.isoparametric import TRIANGLE_CORNERS
 from signorini.shapes.cuts import Part
 
 _EMPTY = 1e-14
-"""Smallest area of a triangle that is kept, relative to its box."""
+"""Smallest area of a triangle that is kept, relative to the area of its box."""
 
 
 Levels = Sequence[Callable[[Floats], Floats]]
@@ -33,14 +33,14 @@ OFF = 1e-4
 _DEEPEST = 7
 """Largest number of times that an element is subdivided."""
 INSIDE = 1.0 - 1e-6
-"""Distance of the outermost sample points from the middle, relative to that of the side: they are not on the side."""
+"""Distance of the outermost sample points from an element's middle, relative to the side's. None is on the side."""
 _PARTED = 0.4863
-"""Position at which a side is divided, relative to its length.
+"""Position at which the side of a box is divided, relative to its length.
 
-It is not the middle, since jumps often run along the middle.
+Jumps often run along the middle, which is therefore avoided.
 """
 _SEEN = 9
-"""Number of sample points of an element in each direction; features smaller than an eighth of it may be missed."""
+"""Number of sample points of an element in each direction; features below an eighth of the element may be missed."""
 _CHUNK = 200_000
 """Largest number of sample points that are evaluated at once, to limit memory."""
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
@@ -49,7 +49,10 @@ _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Triangles(Table):
-    """Triangles: index (t,) of the box that contains each, corners (t, 3, 2), area (t,) of that box."""
+    """Triangles in boxes, which are parts of elements in ξ and η.
+
+    ``box`` (t,) is the index of each triangle's box, ``corners`` are (t, 3, 2).
+    """
 
     box: Ints
     corners: Floats
@@ -164,7 +167,7 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
 
 
 def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
-    """The levels that change sign in at least one element, according to the mask ``across`` (levels, k)."""
+    """Select the level functions that change sign in at least one element, by their mask ``across`` (levels, k)."""
     return [level for level, crossed_elements in zip(levels, across, strict=True) if crossed_elements.any()]
 
 
@@ -182,11 +185,11 @@ def cut_by(
     to the element's side; after seven subdivisions the cut is accepted with a larger deviation. With ``quarter`` no
     part extends over the middle lines of a quadrilateral.
     """
-    # The box of a triangle has a second half, which is cut off.
+    # A triangle fills only half of its box; the other half is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
-    # Steps that no sample detects have no pieces.
+    # The list of step pieces begins with an empty array, since the samples may detect no step.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(_DEEPEST + 1):
         if not len(owner):
@@ -196,7 +199,7 @@ def cut_by(
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
-            # Divide at the middle lines ξ = 0 and η = 0 of the elements too.
+            # Boxes are also divided at the elements' middle lines ξ = 0 and η = 0.
             axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
             changes = np.hstack([changes, (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)])
             planes = np.concatenate([planes, axes], axis=1)

@@ -41,7 +41,7 @@ BESIDE = 1e-6
 _BEYOND = 2.0
 """Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
 
-v becomes 0 within one diagonal beyond the end."""
+The virtual displacement v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
 """Number of Gauss points in each direction on parts of divided elements."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
@@ -110,9 +110,10 @@ def _turn(beside: Floats) -> float:
 
 
 def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
-    """Direction out of the plate that bisects two directions (2, 2) along the edge; ``outward`` is that of the line.
+    """Direction out of the plate that bisects two directions (2, 2) along the edge.
 
-    None if the line runs along the edge and the edge continues straight: then the line counts as just inside.
+    ``outward`` is the direction of the line at its end. None if the line runs along the edge and the edge continues
+    straight: then the line counts as just inside.
     """
     outward = outward / np.hypot(*outward)
     off, forward = beside @ [outward[1], -outward[0]], beside @ outward
@@ -181,7 +182,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     taken[_of_bodies_at_ends(mesh.elements[met], held, near.side.reshape(-1, 8), taken)] = 0.0
-    # An element that contains a piece of the line but no node beside it has v = 0: `_rest` adds the whole traction.
+    # Elements that contain a piece of the line are kept even if v = 0 at their nodes: `_rest` adds their traction.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
     kept = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
     elements, divided, taken = met[kept], divided[kept], taken[kept]
@@ -222,7 +223,7 @@ class _Followed:
         self.beyond = np.where(self.inside, self.reach, 0.0)
 
     def taken(self, near: Near) -> Floats:
-        """Factor of v at points: 1 beside the line, 0 beyond an end inside the plate, a half at the end itself."""
+        """Factor of the virtual displacement v at points: 0 beyond an end inside the plate, ½ at the end, else 1."""
         taken, lengths = np.ones(len(near.piece)), self.line.lengths
         for end, (piece, past) in enumerate(((0, -near.station), (len(lengths) - 1, near.station - lengths[-1]))):
             if self.inside[end]:
@@ -306,8 +307,8 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
     if (crossed := (rigid & divided) | within.any(axis=1)).any():
         crossing_at = point(centres[np.argmax(crossed)], mesh.size)
         raise InputError(
-            f"The line crosses a rigid zone at {crossing_at}, where there are no moments and shears. Let it run along "
-            "the zone's outline or beside it, or end at the outline."
+            f"The line crosses a rigid zone at {crossing_at}, where there are no moments and shears. Let the line run "
+            "along the zone's outline or beside it, or end at the outline."
         )
     part = np.select(of_bodies, [0.5 + 0.5 * side_of_centre[:, None], 0.5 - 0.5 * side_of_centre[:, None]], 0.5)
     of_whole = -side_of_centre[:, None] * np.where(beside[0] & beside[1], part, 1.0) * (side == 0)
@@ -329,7 +330,7 @@ def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, ord
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
     """Values (q, p) of the functions that interpolate between the Gauss points of an element's stiffness matrix.
 
-    Triangles have seven points: a least-squares fit by quadratics; the last two columns are 0.
+    For triangles, with seven points, the functions are a least-squares fit by quadratics; the last two columns are 0.
     """
     count = _POINTS[kind]
     result = np.zeros((len(xi), count))
@@ -357,7 +358,7 @@ def _rest(
 ) -> Floats:
     """Work (k, p, 5, 3) of unit stresses in the part of v that is missing on the line.
 
-    On the line, v should be a rigid motion up to the ends.
+    On the line, v should be a rigid motion up to the ends; interpolation from the nodes gives only a part of it.
     """
     place, met = placed(elements, pieces.elements)
     node, weight = gauss(_ORDER)
@@ -399,7 +400,7 @@ def _length(line: CutLine, pieces: _Pieces) -> float:
 
 
 def placed(elements: Ints, wanted: Ints) -> tuple[Ints, Ints]:
-    """Positions in ``elements`` (k,), ascending, of those entries of ``wanted`` (q,) that occur; their indices."""
+    """Positions in sorted ``elements`` (k,), and indices in ``wanted`` (q,), of entries that occur in both arrays."""
     place = np.minimum(np.searchsorted(elements, wanted), len(elements) - 1)
     found = np.flatnonzero(elements[place] == wanted) if len(elements) else np.zeros(0, np.int64)
     return place[found], found

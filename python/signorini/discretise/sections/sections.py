@@ -88,7 +88,7 @@ class Sections(Brief):
                 result.append(_cut(mesh, plate, model, held, points, place))
         faces = list[tuple[int, tuple[Point, Point]]]()
         for station, ends, place in _face_lines(model) if model.at_faces else ():
-            # A column flush with an edge has a face off the plate.
+            # Faces off the plate, as of a column flush with an edge, are skipped.
             with suppress(InputError):
                 _require_on_plate(mesh, ends, place)
                 result.append(_cut(mesh, plate, model, held, ends, place))
@@ -237,7 +237,7 @@ class Sections(Brief):
 
 
 def _face_lines(model: Model) -> Iterator[tuple[int, tuple[Point, Point], Place]]:
-    """Yield stations in footprints, by number among those of all strips, with cross lines at faces, and their strip."""
+    """Yield stations of strips within columns: number among all stations, cross line at a face, path of the strip."""
     first = np.cumsum([0, *(strip.stations for strip in model.strip)]).tolist()
     for index, strip in enumerate(model.strip):
         for _, column in model.footprints:
@@ -267,13 +267,13 @@ def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None
     end = ends[~inside][0]
     where = point(end, mesh.size)
     if place[0] == "section":
-        message = f"The line ends at {where}, off the plate. Let it end on the plate; it may cross holes."
+        message = f"The line ends at {where}, off the plate. Let the line end on the plate; it may cross holes."
         raise InputError(message, (*place, "line"))
     middle = ends.mean(axis=0)
     subject = f"The strip reaches beyond the plate at {where}, beside its station {point(middle, mesh.size)}"
     if mesh.locate(middle[None] + _BESIDE * (end - middle)).inside.all():
         raise InputError(f"{subject}. Make it narrower, or move its line or the line's ends.", place=(*place, "width"))
-    advice = ", which is on an edge: no width is narrow enough. Let its line end short of it, or move it off."
+    advice = ", which is on an edge. Let the strip's line end before the edge, or move the line off the edge."
     raise InputError(f"{subject}{advice}", place=(*place, "line"))
 
 
@@ -299,7 +299,7 @@ def _of_supports(
 
 def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
     """Whether points with the indices ``rows`` (q,) are outline points of an area that acts on means of elements."""
-    # Other points, such as those of footprints, may lie outside their first element.
+    # Only points of areas with means are tested: other points, such as footprints, may lie outside their element.
     result = points.averaged[rows]
     rows = rows[result]
     elements = points.rows.elements[rows]
@@ -313,9 +313,9 @@ def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
 def _shares(
     cut: Cut, mesh: Mesh, support: Support, table: ContactPoints, rows_of_support: Ints
 ) -> Iterator[tuple[Ints, Floats]]:
-    """Yield points (k,) of an area, and section forces (k, 3) due to the left parts of their unit reactions.
+    """Yield points (k,) of an area, and the section forces (k, 3) due to their unit reactions on the line's left.
 
-    The reaction of each point is spread over the point's element.
+    The reaction of each point is spread over the point's element, of which the line divides off a left part.
     """
     covered = support.where.region
     left = cut.on_left(mesh, covered, GAUSS, ())
