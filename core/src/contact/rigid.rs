@@ -48,11 +48,11 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// Result of an elimination of a symmetric matrix with pivots chosen by size.
+/// Solution of a symmetric system of equations by elimination, with pivots chosen by size.
 pub(super) struct Eliminated {
-    /// Unknowns (n,) of the equations; unconstrained ones are zero.
+    /// Unknowns (n,) of the equations; unknowns that no equation determines are zero.
     pub(super) unknown: Vec<f64>,
-    /// Smallest pivot that counts as nonzero.
+    /// Smallest pivot of the elimination that does not count as zero.
     pub(super) least: f64,
     /// Largest magnitude of the right-hand side in the equations without a pivot. It is 0 if the equations have a
     /// solution.

@@ -1,9 +1,9 @@
-//! Reference forces and lengths, computed from the plate's dimensions and rigidity. Comparisons by them do not depend
-//! on units or numbering.
+//! Reference forces and lengths, computed from the plate's dimensions and rigidity. Comparisons relative to them do not
+//! depend on units or numbering.
 
 use crate::plate::Plate;
 
-/// Reference sizes of all plates of a problem together.
+/// Reference sizes for all plates of a problem together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Centre of the bounding box of the plates (`centre`), and its longer side a (`size`).

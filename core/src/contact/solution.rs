@@ -69,7 +69,7 @@ impl ContactSolution {
         PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
-    /// Adds `part` times the difference to `other` to displacements, reactions and gaps.
+    /// Moves displacements, reactions and gaps by the fraction `part` towards those of the solution `other`.
     pub(super) fn towards(&mut self, other: &Self, part: f64) {
         for i in 0..self.displacement.hi.len() {
             let (from, to) = (self.displacement.at(i), other.displacement.at(i));

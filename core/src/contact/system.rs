@@ -29,7 +29,7 @@ pub(super) struct KktPattern {
     kinds: Vec<RowKind>,
     /// For each contact point, whether its row of G is a multiplier row.
     is_multiplier_row: Vec<bool>,
-    /// All multiplier rows, each with infinite compliance and so without force.
+    /// All multiplier rows, each with infinite compliance, so that it has no force.
     absent: Vec<MultiplierRow>,
     /// The elastic supports (springs) whose rows have dofs of one or two elements.
     narrow: Springs,
@@ -130,8 +130,8 @@ impl KktPattern {
         };
         analysis.require_room(room)?;
         let factor = analysis.factorize(&matrix)?;
-        // If a contact point has no spring, the supports may leave a rigid motion free. Elements q8r have zero-energy
-        // modes.
+        // A contact point without a spring may leave a rigid motion free, and elements q8r have zero-energy modes. In
+        // these cases the smallest pivot decides whether the matrix is regular.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
@@ -141,7 +141,7 @@ impl KktPattern {
         Ok(System { factor, carried, pattern: self.clone() })
     }
 
-    /// Whether the contact points with a multiplier row are those for which `has_multiplier(i)` is true.
+    /// Whether exactly those contact points have a multiplier row for which `has_multiplier(i)` is true.
     pub(super) fn has_multiplier_rows(&self, has_multiplier: impl Fn(usize) -> bool) -> bool {
         self.is_multiplier_row.iter().enumerate().all(|(i, &own)| own == has_multiplier(i))
     }

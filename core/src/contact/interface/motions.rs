@@ -34,7 +34,7 @@ impl Work {
     }
 }
 
-/// Data for imposing the free motions that do not depend on the load.
+/// Data for imposing the free rigid motions on M and q; they do not depend on the load.
 pub(super) struct FreeMotions {
     /// `moves` is N_J, the displacements under the free motions at the LCP rows J whose z is a gap. `dual` is
     /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
@@ -50,14 +50,14 @@ pub(super) struct FreeMotions {
     /// Whether M_JJ, the block of M for rows whose z is a gap, is projected. If M is the Schur complement S, it is not:
     /// without projection S keeps more digits of its soft modes.
     projected: bool,
-    /// Each pair of rows for the two ends of one first piece: (row of the upper end, row of the lower end, length of
-    /// the piece).
+    /// For each point whose first piece is between two horizontal pieces: (row of the upper end, row of the lower end,
+    /// length of the piece). These two rows of M differ only in sign.
     mirrored: Vec<(usize, usize, f64)>,
 }
 
 impl Interface {
-    /// Imposes the free motions on M, with N, J, O as in the module: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ.
-    /// M_OJ gets the least change for which M_OJ N_J = N_O.
+    /// Imposes the free rigid motions on M, with N, J, O as defined at the top of this file: M_JJ ← QM_JJQᵀ with Q = I
+    /// − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ. M_OJ gets the least change for which M_OJ N_J = N_O.
     pub(super) fn impose_motions(
         &self,
         points: &Points,
@@ -128,8 +128,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Only rows at an end of the first piece depend on x. Rows of further vertices depend on z of the vertex
-            // before them.
+            // Only rows at an end of the first piece depend on the unknown x of their point. Rows of further vertices
+            // depend on z of the vertex before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -137,7 +137,8 @@ impl Interface {
         Ok(motions)
     }
 
-    /// `travel` (m,) of the points minus the nearest free motion in least squares. A free motion causes no reactions.
+    /// Displacements `travel` (m,) of the points minus the nearest free rigid motion in least squares. A free motion
+    /// causes no reactions.
     pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
         let n = &self.moves;
         if n.ncols() == 0 {
@@ -157,7 +158,8 @@ impl FreeMotions {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
-    /// Changes the increment of q so that the increments of reaction balance the increment of load.
+    /// Changes the increment of q so that the increments of reaction balance the increment of load in the free rigid
+    /// motions.
     pub(super) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }

@@ -1,23 +1,24 @@
-//! The vertices of the graphs of contact points. Each vertex is a row of the linear complementarity problem (LCP).
+//! The vertices of the laws of contact points. Each vertex is a row of the linear complementarity problem (LCP).
 
 use crate::contact::graph::Piece;
 use crate::contact::points::Points;
 
-/// The rows of the LCP: the vertices of the graphs of all points, seen from the first piece of each point.
+/// The rows of the LCP: one for each vertex of the law of each contact point. A row describes the motion of a point
+/// past this vertex, away from its first piece.
 pub struct Vertices {
-    /// The k rows, ordered by their unknown z: gaps of points that start in contact, reactions of points that start
-    /// open, then further vertices.
+    /// The k rows, ordered by kind of their unknown z: gaps of points that start in contact, reactions of points that
+    /// start open, then further vertices.
     pub rows: Vec<VertexRow>,
     /// For each point (m,), the number of its first piece, on which the point starts.
     pub(super) base: Vec<u8>,
 }
 
-/// A row of the LCP: one vertex of the graph of one point.
+/// A row of the LCP: one vertex of the law of one contact point.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexRow {
     pub point: usize,
     vertex: u8,
-    /// Whether the vertex lies above the first piece of its point.
+    /// Whether the vertex lies above the first piece of its point, at larger travel or force.
     pub(super) upward: bool,
     /// The row of the next vertex towards the first piece; `None` if the vertex is an end of the first piece.
     pub(super) before: Option<usize>,
@@ -35,8 +36,8 @@ pub(super) enum Kind {
 }
 
 impl VertexRow {
-    /// Whether w of the row is a force: on the piece between the vertex and the first piece, the force depends on the
-    /// travel.
+    /// Whether w of the row is a force. It is if the force depends on the travel on the piece just before the vertex,
+    /// seen from the first piece.
     pub fn w_is_a_force(&self, points: &Points) -> bool {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
@@ -98,8 +99,8 @@ impl Vertices {
         (0..points.len()).map(force).collect()
     }
 
-    /// For each first piece between two horizontal pieces: (row of the upper end, row of the lower end, length of the
-    /// piece in force).
+    /// For each point whose first piece is between two horizontal pieces: (row of the upper end, row of the lower end,
+    /// length of the piece in force).
     pub(super) fn mirrored(&self, points: &Points) -> Vec<(usize, usize, f64)> {
         let upper = self.rows.iter().enumerate().filter(|(_, row)| {
             let flat = row.upward && !points.piece(row.point, row.vertex + 1).holds();
@@ -154,8 +155,8 @@ impl Vertices {
     }
 }
 
-/// Change of [travel, force] of a point along the next piece, per unit of z. z is a force if the force depends on the
-/// travel on that piece, otherwise a travel.
+/// Change of [travel, force] of a point along the piece beyond the vertex of a row, per unit of z. z is a force if the
+/// force depends on the travel on that piece, otherwise a travel.
 pub(super) fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };

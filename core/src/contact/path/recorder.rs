@@ -5,7 +5,7 @@ use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
-/// The solution at the end of the last line, and the reference sizes of the line.
+/// The solution at the end of the last line of the path, and the reference sizes of this line.
 struct Arrival {
     solution: ContactSolution,
     scales: Scales,
@@ -26,7 +26,7 @@ impl<'a> PathRecorder<'a> {
         Self { visit, arrived: Arrival { solution: first, scales }, begun: false }
     }
 
-    /// The stored solution: that at the end of the last line (segment) of the path.
+    /// The stored solution, at the end of the last line (segment) of the path.
     pub fn here(&self) -> &ContactSolution {
         &self.arrived.solution
     }
@@ -44,8 +44,8 @@ impl<'a> PathRecorder<'a> {
         let between = self.arrived.jump_to(&begin, line);
         if !self.begun {
             self.begun = true;
-            // Without contact the position of the plate is not unique; the path then starts with the solution on its
-            // first line.
+            // If no point is in contact, the position of the plate is not unique; the path then starts with the
+            // solution on its first line.
             let begin = if between.is_some() { begin } else { ContactSolution { piece: begin.piece, ..here.clone() } };
             return (self.visit)(Stop { t, switched: &[], solution: &begin });
         }

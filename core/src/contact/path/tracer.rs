@@ -64,8 +64,7 @@ impl<'a> PathTracer<'a> {
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, SolveError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
-        // Reference sizes have lower bounds, for a load that causes hardly any reactions and for a plate that hardly
-        // deflects.
+        // Reference sizes have lower bounds: a load may cause hardly any reactions, and a plate may hardly deflect.
         let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
@@ -81,8 +80,8 @@ impl<'a> PathTracer<'a> {
         Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
-    /// The same displacements with the contact state `pieces`. `None` unless every changed point is at the common end
-    /// of its old and its new piece.
+    /// The solution with the same displacements on the contact state `pieces`. `None` unless every point that changes
+    /// its piece is at the common end of its old and its new piece.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
@@ -140,7 +139,8 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // If a plate has a free rigid motion, its first motion is not proportional to the load, but its bending is.
+            // If a plate has a free rigid motion, its first motion is not proportional to the load. Its displacement
+            // from half the load to the whole load is.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
@@ -199,9 +199,9 @@ impl<'a> PathTracer<'a> {
 
 impl ContactProblem {
     /// Traces the path and calls `visit` at every stop; if `visit` returns false, the path ends. `watch` is called at
-    /// every step of a solve and may cancel.
+    /// every step of a solve and may cancel the path.
     ///
-    /// The first stop is the solution at t = 0. Without a solution there, `visit` is not called.
+    /// The first stop is the solution at t = 0. Without a solution at t = 0, `visit` is not called.
     pub fn path(
         &self,
         load: &PathLoad,
@@ -230,7 +230,7 @@ impl ContactProblem {
     }
 }
 
-/// The solution, or `None` if the solve found none or was cancelled. Other errors are returned.
+/// The solution, or `None` if the solve found no solution or was cancelled. Other errors are returned.
 fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
     match solved {
         Ok(solution) => Ok(Some(solution)),
