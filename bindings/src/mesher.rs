@@ -62,7 +62,7 @@ fn loop_of((corners, through, names): &LoopArrays<'_>) -> PyResult<Loop> {
     let corners = rows_of::<2, f64>("the corners", corners)?;
     let through = rows_of::<2, f64>("the points of arcs", through)?;
     if corners.len() < 2 || through.len() != corners.len() || names.len() != corners.len() {
-        return Err(invalid("a loop needs two corners at least, and as many points of arcs and names as corners"));
+        return Err(invalid("a loop needs at least two corners, and a point of an arc and a name for each corner"));
     }
     if corners.iter().flatten().any(|x| !x.is_finite()) {
         return Err(invalid("a corner is not finite"));

@@ -52,8 +52,8 @@ pub enum GraphError {
 impl fmt::Display for GraphError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoVertex => write!(f, "a law needs a vertex"),
-            Self::NotFinite => write!(f, "a law's vertices must be finite, and its slopes numbers"),
+            Self::NoVertex => write!(f, "a law needs at least one vertex"),
+            Self::NotFinite => write!(f, "a law's vertices must be finite, and its slopes must not be NaN"),
             Self::Falls(vertex) => write!(f, "a law must not fall, but it does at vertex {vertex}"),
             Self::NegativeSlope => write!(f, "a law's slopes must not be negative"),
             Self::TooManyPieces => write!(f, "a law has at most {} pieces", u8::MAX),

@@ -178,7 +178,7 @@ impl Points {
         }
     }
 
-    /// Sets the lever arm of the rows that have rotation dofs only, whose reactions are couples.
+    /// Sets `arm` of the points whose rows have rotation dofs only, so that their reactions are couples.
     pub(super) fn set_arm(&mut self, arm: f64) {
         for i in 0..self.len() {
             let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();

@@ -59,7 +59,8 @@ struct Responses<'a> {
 }
 
 impl ContactProblem {
-    /// The response without load: held dofs have the values `held_value` (3n,), and springs are at their bases.
+    /// The response without load: held dofs have the values `held_value` (3n,), and bases of springs their prescribed
+    /// displacements.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, SolveError> {
         require_length("held_value", held_value.len(), self.plate.dof_count())?;
         let begin = |_, draft: &mut Draft| {

@@ -1,10 +1,10 @@
 //! Inner loops of the LCP solvers, compiled for the widest vector registers of the machine at run time.
 use pulp::{Arch, Simd, WithSimd};
 
-/// The length of padded vectors is a multiple of this number; they are padded with zeros.
+/// Vectors are padded with zeros to a length that is a multiple of this number.
 pub(super) const LANES: usize = 8;
 
-/// The largest absolute value in a padded vector. Each lane has a maximum of its own, so that comparisons do not wait
+/// The largest absolute value in a padded vector. Each SIMD lane has its own maximum, so that comparisons do not wait
 /// for each other.
 #[inline(always)]
 pub(super) fn largest_size(vector: &[f64]) -> f64 {
@@ -48,7 +48,7 @@ impl WithSimd for SubtractMultiples<'_> {
     }
 }
 
-/// Updates N SIMD registers of `target`, from register `from` on. The sums stay in registers.
+/// Updates N SIMD registers of `target`, from register `from` on. The sums over all sources stay in registers.
 #[inline(always)]
 fn subtract_in_strip<S: Simd, const N: usize>(
     simd: S,

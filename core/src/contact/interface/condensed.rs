@@ -133,9 +133,9 @@ impl Interface {
         compliance > 0.0 && (1.0 - self.delta[i] * compliance).abs() < tolerances::interface::ABSORBED
     }
 
-    /// The first piece (m,) of each point: the piece of its law from which the LCP measures forces and travels. In
-    /// stiffness form, for linear laws, and where δ > 0, it is the first piece on which the force depends on the
-    /// travel. At other points it is the first horizontal piece, on which a one-sided point is open.
+    /// The first piece (m,) of each point: in the LCP, force and travel of the point are measured from this piece of
+    /// its law. In stiffness form, for linear laws, and where δ > 0, it is the first piece on which the force depends
+    /// on the travel. At other points it is the first horizontal piece, on which a one-sided point is open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())

@@ -108,7 +108,7 @@ impl Line<'_> {
         solution
     }
 
-    /// The ends of pieces beyond which points move when the contact state changes to `next`.
+    /// The ends of pieces that points pass when the contact state changes to `next`.
     pub fn crossed(&self, next: &[u8]) -> Vec<Breakpoint> {
         let leaves = |breakpoint: &Breakpoint| {
             let (from, to) = (self.pieces()[breakpoint.point], next[breakpoint.point]);

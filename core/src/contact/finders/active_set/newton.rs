@@ -24,12 +24,12 @@ const STALLS: usize = 3;
 /// Number of steps on an unchanged contact state without a new least residual after which the iteration ends.
 const LASTING: usize = 12;
 
-/// A load to be solved by the Newton method, the solution from which it starts, and its first factor.
+/// A load to be solved by the Newton method, with the start of the iteration and the first factor.
 pub(super) struct Start<'a> {
     pub(super) problem: &'a ContactProblem,
     pub(super) augmentation: &'a Augmentation,
     pub(super) load: Load<'a>,
-    /// The solution of another load, from which the iteration starts; `None` for a start at rest.
+    /// The solution of another load, at which the iteration starts; `None` for a start at rest.
     pub(super) solution: Option<&'a ContactSolution>,
     /// The first factor, if several loads share it. For such loads no exact solution on a contact state is computed.
     pub(super) shared: Option<SharedFactor>,
@@ -40,7 +40,7 @@ pub(super) fn system_of<'a>(problem: &ContactProblem, solution: &'a ContactSolut
     solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.pattern, &problem.pattern))
 }
 
-/// Record of the residual at the largest penalty, from which the iteration detects that it makes no more progress.
+/// Record of the residual at the largest penalty. It shows whether the iteration still makes progress.
 struct Stagnation {
     /// Number of successive steps with little reduction of the residual.
     stalled: usize,
