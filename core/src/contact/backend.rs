@@ -10,7 +10,7 @@ use crate::element::packed;
 use crate::plate::Plate;
 use std::sync::{Arc, OnceLock};
 
-/// The method that finds the contact state. The stiffness matrix is factored for this method.
+/// The method that finds the contact state. Each method needs another factored stiffness matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Lemke's algorithm, for few contact points: the stiffness matrix is condensed onto the contact points.

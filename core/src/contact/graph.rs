@@ -6,8 +6,8 @@
 
 use std::fmt;
 
-/// If the two terms of the travel at which a piece has no force cancel to less than this, relative to one term, the
-/// line of the piece passes through the origin.
+/// The travel at which a piece has no force is a difference of two terms. Below this, relative to one of them, it
+/// counts as zero.
 const DRAWN: f64 = 1e-12;
 
 /// The law of a contact point: a nondecreasing polyline of force r over travel s.
@@ -107,8 +107,8 @@ impl Graph {
                 return Piece { travel, force, slope };
             }
             let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
-                // `base` and `back` are each a multiple of the travel of one vertex. For vertices symmetric about the
-                // origin their difference is exactly zero.
+                // The travel without force is `base` − `back`, each a multiple of the travel of one vertex. So it is
+                // exactly zero for vertices symmetric about the origin.
                 Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
                 None => (travel, force / slope),
             };

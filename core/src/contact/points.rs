@@ -213,7 +213,7 @@ impl Points {
         (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
     }
 
-    /// Gu − `from` (m,), summed in double-double.
+    /// Travels Gu − `from` (m,) of the contact points, summed in double-double.
     pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
@@ -254,8 +254,8 @@ impl Points {
         Piece { travel: self.shift[i] + unit * travel, force: weight * force, slope: weight / unit * slope }
     }
 
-    /// Lower and upper end [displacement g·u, reaction] of piece `number` of point i; `None` where the piece is
-    /// unbounded.
+    /// Lower and upper end [displacement g·u, reaction] of piece `number` of the law of point i; `None` where the piece
+    /// is unbounded.
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
         let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
@@ -293,19 +293,20 @@ impl Points {
         self.piece(i, self.graph(i).steepest())
     }
 
-    /// For each point (m,), whether its force depends on its travel on its piece in `pieces`.
+    /// For each point (m,), whether its force depends on its travel on the piece of its law that `pieces` gives.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// For each point (m,), whether it can have a force on its piece in `pieces`; false at open points.
+    /// For each point (m,), whether it can have a force on the piece of its law that `pieces` gives; false at open
+    /// points.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
-    /// For each point (m,), its first piece on which the force depends on the travel if `holds` is true, or does not
-    /// depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
+    /// For each point (m,), the first piece of its law on which the force depends on the travel if `holds` is true, or
+    /// does not depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()

@@ -87,7 +87,7 @@ impl ContactProblem {
         Self::posed(self.plate.clone(), on, self.method(), room, Some(self))
     }
 
-    /// The method for which the plate is factored.
+    /// The method for which K is factored.
     pub fn method(&self) -> Method {
         match &self.backend {
             Backend::Condensed { .. } => Method::Lemke,

@@ -19,7 +19,7 @@ pub(super) struct Residual {
     /// Residual of the laws s₀ − g·u + (r − r₀)/k (m,): distance in travel from each point to the line of its piece.
     /// (s₀, r₀) is a point on this line and k its slope.
     pub(super) violation: Vec<f64>,
-    /// Largest magnitude in `imbalance`; a couple counts as couple/arm.
+    /// Largest magnitude of the nodal forces in `imbalance`; couples are divided by the element size.
     pub(super) worst: f64,
 }
 
@@ -139,7 +139,7 @@ fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]
     travel
 }
 
-/// Largest magnitude of the nodal forces `load` and of the reactions; a couple counts as couple/arm.
+/// Largest magnitude of the nodal forces `load` and of the reactions; couples are divided by a lever arm.
 pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[f64]) -> f64 {
     let forces = reaction.iter().zip(&problem.points.arm).map(|(reaction, arm)| reaction.abs() / arm);
     forces.fold(problem.scale.largest(load), f64::max)
@@ -176,7 +176,7 @@ pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     tolerances::NIL * (problem.scale.sum(load) + settled) / problem.scale.stiffness
 }
 
-/// Rounding error of the largest internal nodal force; a couple counts as couple/arm.
+/// Rounding error of the largest internal nodal force; couples are divided by the element size.
 pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     let mut internal = internal_magnitudes(&problem.plate, &solution.displacement);
     problem.release_held(&mut internal);

@@ -34,7 +34,7 @@ const TOGETHER: usize = 8;
 /// Largest number of corrections of each response.
 const CORRECTIONS: usize = 8;
 
-/// A response during its refinement.
+/// A response while it is refined.
 struct Draft<'a> {
     /// The acting nodal forces `force` (3n,), and `acting`, the reference force for the residual.
     force: Vec<f64>,

@@ -31,19 +31,19 @@ impl Scale {
         Self { centre, size, arm, stiffness: rigidity / (size * size) }
     }
 
-    /// Largest magnitude of nodal forces (3n,); a couple counts as couple/arm.
+    /// Largest magnitude of nodal forces (3n,); couples are divided by the element size.
     pub(super) fn largest(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let of_node = |f: &[f64]| f[0].abs().max(of_couples * f[1].abs().max(f[2].abs()));
         nodal.chunks_exact(3).fold(0.0, |most: f64, f| most.max(of_node(f)))
     }
 
-    /// Sum of the magnitudes of nodal forces (3n,); a couple counts as couple/size.
+    /// Sum of the magnitudes of nodal forces (3n,); couples are divided by the plate size.
     pub(super) fn sum(&self, nodal: &[f64]) -> f64 {
         nodal.chunks_exact(3).map(|f| f[0].abs() + (f[1].abs() + f[2].abs()) / self.size).sum()
     }
 
-    /// Euclidean norm of nodal forces (3n,); a couple counts as couple/arm.
+    /// Euclidean norm of nodal forces (3n,); couples are divided by the element size.
     pub(super) fn length(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);

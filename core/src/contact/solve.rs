@@ -21,7 +21,7 @@ pub struct Settings {
 }
 
 impl ContactProblem {
-    /// Solves one load by the method for which the plate is factored.
+    /// Solves one load by the method for which K is factored.
     ///
     /// `start` is the solution of another load. Lemke's algorithm tries its contact state first; the Newton method
     /// starts from its displacements and reactions.
@@ -45,7 +45,8 @@ impl ContactProblem {
         }
     }
 
-    /// Solves one load on a fixed contact state `pieces` (m,). Points may be beyond the bounds of their pieces.
+    /// Solves one load on a fixed contact state `pieces` (m,). Points of the solution may be beyond the bounds of their
+    /// pieces of the laws.
     pub fn solve_on(&self, load: &Load, pieces: &[u8]) -> Result<ContactSolution, SolveError> {
         load.require_lengths(self)?;
         require_length("pieces", pieces.len(), self.points.len())?;

@@ -17,8 +17,8 @@ pub(super) fn largest_size(vector: &[f64]) -> f64 {
     lanes.into_iter().fold(0.0, f64::max)
 }
 
-/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors source_k one after the other. Their length,
-/// that of `target`, is a multiple of [`LANES`].
+/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors source_k one after the other. Each has the
+/// length of `target`, a multiple of [`LANES`].
 pub(super) fn subtract_multiples(target: &mut [f64], factors: &[f64], sources: &[f64]) {
     Arch::new().dispatch(SubtractMultiples { target, factors, sources });
 }

@@ -16,7 +16,7 @@ impl CoveredLcp<'_> {
         Ok(self.pivoted(basis)?.map(|pivoted| CoveredLcp { covering: ones, ..pivoted }))
     }
 
-    /// As [`Self::principal_transform`], but the covering vector is transformed like q instead of replaced by ones.
+    /// As [`Self::principal_transform`], but the covering vector is transformed like q.
     pub(super) fn pivoted(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self)?;
@@ -36,8 +36,8 @@ impl CoveredLcp<'_> {
         Ok(Some(result))
     }
 
-    /// The principal block M′_αα for the indices α. Eight rows are copied at a time, because M is row-major and the
-    /// block column-major.
+    /// The principal block M′_αα of the scaled M for the indices α. Eight rows are copied at a time, because M is
+    /// row-major and the block column-major.
     fn principal_block(&self, indices: &[usize]) -> Result<Mat<f64>, OutOfMemory> {
         let order = self.order();
         let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
@@ -54,7 +54,7 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// A complementary basis, with the LU factors of the block of M′ in the rows and columns of the basic z.
+/// A complementary basis, with the LU factors of the block of the scaled M′ in the rows and columns of the basic z.
 pub(super) struct Basis {
     basis: Vec<bool>,
     basic: Vec<usize>,
@@ -71,7 +71,7 @@ pub(super) struct BasicValues {
 }
 
 impl Basis {
-    /// Factors the block of M′ in the rows and columns of the basic z; `None` if this block is singular.
+    /// Factors the block of the scaled M′ in the rows and columns of the basic z; `None` if this block is singular.
     pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let basic = indices(basis);
         let block = problem.principal_block(&basic)?;

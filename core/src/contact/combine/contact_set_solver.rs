@@ -1,9 +1,9 @@
-//! Solves a combination of load cases for x, the factors of the responses to the contact points, on a given contact
-//! state.
+//! Solves the equations of a contact state for x, the factors of the responses to the contact points in a combination
+//! of load cases.
 //!
 //! The equations of a contact state differ from those of a reference state only at points that are on another piece of
-//! their law. So the inverse for the reference state, with a low-rank update (Woodbury 1950) and corrections by
-//! double-double residuals, solves both.
+//! their law. So one inverse, that of the reference state, serves for many contact states by a low-rank update
+//! (Woodbury 1950) and corrections by double-double residuals.
 
 use crate::contact::interface::{Form, Interface};
 use crate::contact::points::Points;
@@ -92,7 +92,7 @@ impl ContactSetSolver {
         On { interface, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
-    /// Inverts the equations of the reference state `pieces`. If they are singular, no inverse is stored.
+    /// Inverts the equations of the reference contact state `pieces`. If they are singular, no inverse is stored.
     pub(super) fn begin_with(
         &mut self,
         interface: &Interface,
@@ -146,7 +146,8 @@ impl ContactSetSolver {
         Ok(Some((factor, reaction, gap)))
     }
 
-    /// Coefficient of x_j in the equation of point i for the contact state `on`.
+    /// Coefficient of x_j, the factor of the response to point j, in the equation of point i for the contact state
+    /// `on`.
     fn coefficient(&self, on: &On, i: usize, j: usize) -> f64 {
         let at = j * on.len() + i;
         match (on.alone(i), on.compliance[i]) {
@@ -184,7 +185,7 @@ impl ContactSetSolver {
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
-    /// Residual (m,) of the equations for the factors `x`: `right` minus the left-hand side.
+    /// Residual (m,) of the equations of the contact points for the factors `x`: `right` minus the left-hand side.
     fn residual(&self, on: &On, right: &[f64], x: &[f64]) -> Vec<f64> {
         let mut residual = self.add_products(right.to_vec(), x, |i, moved, reaction| match on.compliance[i] {
             Some(compliance) => compliance * reaction - moved,

@@ -69,7 +69,7 @@ impl ContactProblem {
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
-        // Distance in travel from the state u = 0, r = 0 to the line of the first piece of a point.
+        // Distance in travel from the state u = 0, r = 0 to the line of the first piece of a point's law.
         let to_piece = |(i, &piece): (usize, &u8)| {
             let piece = self.points.piece(i, piece);
             piece.travel - piece.compliance() * piece.force
@@ -150,8 +150,8 @@ impl ContactProblem {
         self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
-    /// Solves a combination on the contact state `piece` (m,). `sum` has the responses without load and to the cases,
-    /// summed with the factors of the combination.
+    /// Solves a combination on the contact state `piece` (m,). `sum` is the response without load plus those to the
+    /// load cases, multiplied by the factors of the combination.
     fn on_pieces_of(
         &self,
         interface: &Interface,
@@ -189,7 +189,7 @@ impl ContactProblem {
     }
 }
 
-/// Right-hand side of the condensed equations for a response; `violation` (m,) is copied.
+/// Right-hand side of the condensed equations for a response, with a copy of `violation` (m,).
 fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),

@@ -56,8 +56,9 @@ pub(in crate::contact) fn by_lemke(
         }
         solution.measure_gaps(&problem.points, &residual);
         if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
-            // Refuses a solution with a large residual: the equations of its contact state are regular only by
-            // rounding. If no load acts, the reference force is the rounding of the forces that settlements cause.
+            // Refuses a solution with a large residual: its contact state is singular, and only rounding made the
+            // equations regular. If no load acts, the reference force is the rounding of the forces that settlements
+            // cause.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);
             return solution.require_solved(problem, load, &residual, least);
         }
@@ -67,7 +68,7 @@ pub(in crate::contact) fn by_lemke(
 }
 
 /// The residual of `solution` under a load, condensed onto the contact points: the right-hand side of the LCP for the
-/// remaining change of the solution. Violations are distances to the first pieces of the laws.
+/// remaining change of the solution. Violations are distances to the first pieces of the laws, on which the LCP starts.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     interface: &Interface,

@@ -102,8 +102,8 @@ impl Interface {
         Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// Condenses a residual `forward` onto the contact points; it is already forward substituted. `violation` (m,) is
-    /// copied.
+    /// Condenses a residual onto the contact points; `forward` is the residual after forward substitution. `violation`
+    /// (m,) is copied.
     pub(in crate::contact) fn reduced(
         &self,
         form: Form,

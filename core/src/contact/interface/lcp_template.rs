@@ -37,7 +37,7 @@ enum Elimination {
 }
 
 impl Elimination {
-    /// Overwrites the right-hand sides B = `all` (m, columns) with H⁻¹B.
+    /// Overwrites the right-hand sides B = `all` (m, columns) with H⁻¹B, the solution of the factored equations.
     fn solve_in_place(&self, all: &mut Mat<f64>) -> Result<(), OutOfMemory> {
         match self {
             Self::Stiffness(None) => {}
@@ -77,7 +77,8 @@ impl LcpTemplate {
             symmetrize(rows, &mut columns);
         }
         let entry = |r: usize, c: usize| match rows[r].before {
-            // x = x₀ − Σ columns z; w is the distance from x to the upper or lower end of the first piece.
+            // The unknown x of a point is x₀ − Σ columns z; w is the distance from x to the upper or lower end of the
+            // first piece.
             None => rows[r].sign() * columns[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,
@@ -112,7 +113,7 @@ impl LcpTemplate {
         reaction: &[f64],
     ) -> Result<Vec<f64>, OutOfMemory> {
         let piece = self.vertices.first_pieces(points);
-        // A point whose first piece is horizontal changes from its present reaction to the force of that piece.
+        // A point that starts on a horizontal piece changes from its present reaction to the force of this piece.
         let released: Vec<f64> =
             (0..piece.len()).map(|j| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force }).collect();
         let linear = self.linear(interface, rhs, Some(&released))?;

@@ -16,7 +16,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef};
 
 /// Work of a load in each free rigid motion (`sum`), and the sum of the magnitudes of the terms of this work (`size`).
-/// Internal forces do no work in a free motion.
+/// Internal forces do no work in a rigid motion.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     pub sum: Vec<f64>,
@@ -42,13 +42,13 @@ pub(super) struct FreeMotions {
     dual: Mat<f64>,
     /// Contact point of each LCP row whose z is a gap (rows J), then of each row whose z is a reaction (rows O).
     paired: Vec<usize>,
-    /// Work, in each free motion, of the reactions that the points have at z = w = 0.
+    /// Work, in each free rigid motion, of the reactions that the points have at z = w = 0 in the LCP.
     known: Vec<f64>,
-    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free motions are
-    /// imposed.
+    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free rigid
+    /// motions are imposed on M.
     held: Vec<f64>,
-    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected. If M is the Schur complement S, it is not:
-    /// without projection S keeps more digits of its soft modes.
+    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected off the free rigid motions. If M is the
+    /// Schur complement S, it is not: without projection S keeps more digits of its soft modes.
     projected: bool,
     /// For each point whose first piece is between two horizontal pieces: (row of the upper end, row of the lower end,
     /// length of the piece). These two rows of M differ only in sign.
@@ -81,7 +81,8 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // The weights are δ, so that the correction of an entry at a soft point is not larger than the entry.
+        // The projection has the weights δ, so that the correction of an entry at a soft point is not larger than the
+        // entry.
         let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
@@ -99,7 +100,7 @@ impl Interface {
         subtract_product(&mut within, dual, across.as_ref());
         let along = &within * n;
         subtract_product(&mut within, &along, dual.transpose());
-        // If the projection reduces a diagonal entry to rounding, its row and column count as zero.
+        // If the projection reduces a diagonal entry of M to rounding, its row and column count as zero.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
@@ -128,8 +129,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Only rows at an end of the first piece depend on the unknown x of their point. Rows of further vertices
-            // depend on z of the vertex before them.
+            // Only LCP rows at an end of the first piece depend on the unknown x of their point. Rows of further
+            // vertices depend on z of the vertex before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -152,8 +153,8 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Changes q so that the reactions on the first pieces balance the load. Entries that are only rounding become
-    /// zero.
+    /// Changes q so that the reactions on the first pieces balance the load in the free rigid motions. Entries that are
+    /// only rounding become zero.
     pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }

@@ -9,7 +9,7 @@ pub struct Vertices {
     /// The k rows, ordered by kind of their unknown z: gaps of points that start in contact, reactions of points that
     /// start open, then further vertices.
     pub rows: Vec<VertexRow>,
-    /// For each point (m,), the number of its first piece, on which the point starts.
+    /// For each point (m,), the number of its first piece: the piece of the law on which it starts in the LCP.
     pub(super) base: Vec<u8>,
 }
 
@@ -58,7 +58,7 @@ impl VertexRow {
 }
 
 impl Vertices {
-    /// The contact state (pieces, (m,)) for a basis (k,), which is true where z is basic.
+    /// The contact state (pieces of the laws, (m,)) for a basis (k,) of the LCP, which is true where z is basic.
     pub fn pieces(&self, basis: &[bool]) -> Vec<u8> {
         let mut pieces = self.base.clone();
         for (row, _) in self.rows.iter().zip(basis).filter(|(_, basic)| **basic) {
@@ -71,7 +71,7 @@ impl Vertices {
         pieces
     }
 
-    /// The basis (k,), true where z is basic, for a contact state `pieces` (m,).
+    /// The basis (k,) of the LCP, true where z is basic, for a contact state `pieces` (m,).
     pub fn basis(&self, pieces: &[u8]) -> Vec<bool> {
         let passed = |row: &VertexRow| {
             if row.upward { pieces[row.point] > row.vertex } else { pieces[row.point] <= row.vertex }
@@ -79,17 +79,17 @@ impl Vertices {
         self.rows.iter().map(passed).collect()
     }
 
-    /// Number of rows whose z is a gap; these are the first rows.
+    /// Number of LCP rows whose z is a gap; these are the first rows.
     pub(super) fn gaps(&self) -> usize {
         self.rows.iter().filter(|row| row.kind == Kind::Gap).count()
     }
 
-    /// Number of rows whose z is a gap or a reaction; the rows of further vertices follow.
+    /// Number of LCP rows whose z is a gap or a reaction; the rows of further vertices follow.
     pub(super) fn paired(&self) -> usize {
         self.rows.iter().filter(|row| row.kind != Kind::Other).count()
     }
 
-    /// Force (m,) of each point on its first piece at z = 0 and w = 0.
+    /// Force (m,) of each point on its first piece at z = 0 and w = 0 in the LCP.
     pub(super) fn reference_forces(&self, points: &Points) -> Vec<f64> {
         let force = |i: usize| match (points.is_straight(i), points.piece(i, self.base[i]).holds()) {
             (false, true) => points.ends(i, self.base[i])[0].map_or(0.0, |end| end[1]),

@@ -29,7 +29,7 @@ impl Scales {
     }
 }
 
-/// The lower or upper end of the piece of the law on which a contact point is.
+/// The lower or upper end of the piece of its law on which a contact point is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Breakpoint {
     pub point: usize,
@@ -43,7 +43,7 @@ impl Breakpoint {
     }
 }
 
-/// The lower and upper ends of the present pieces of all points, without ends at infinity.
+/// The lower and upper ends of the pieces of the laws on which the points are, without ends at infinity.
 pub(super) fn breakpoints(points: &Points, pieces: &[u8]) -> Vec<Breakpoint> {
     let of = |point: usize| {
         let [low, high] = points.ends(point, pieces[point]);
@@ -108,7 +108,7 @@ impl Line<'_> {
         solution
     }
 
-    /// The ends of pieces that points pass when the contact state changes to `next`.
+    /// The ends of their present pieces that points pass when the contact state changes to `next`.
     pub fn crossed(&self, next: &[u8]) -> Vec<Breakpoint> {
         let leaves = |breakpoint: &Breakpoint| {
             let (from, to) = (self.pieces()[breakpoint.point], next[breakpoint.point]);

@@ -51,7 +51,7 @@ impl<'a> PathRecorder<'a> {
         }
         let Some(between) = between else {
             let switched = differing(&here.piece, &begin.piece);
-            // If no point changes its piece, the event is not reported.
+            // If no point changes its piece of the law, the event is not reported.
             return switched.is_empty() || (self.visit)(Stop { t, switched: &switched, solution: &begin });
         };
         let start = ContactSolution { piece: between.clone(), ..here.clone() };
@@ -79,7 +79,7 @@ impl Arrival {
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.piece, &begin.piece).iter().any(jumps).then(|| {
             let stays = |i: usize| here.piece[i] == begin.piece[i];
-            // During the jump a point is on a piece that contains its states before and after the jump.
+            // During the jump a point is on a piece of its law that contains its states before and after the jump.
             let is_on = |i: usize| {
                 let piece = line.points.piece(i, here.piece[i]);
                 if piece.holds() {

@@ -125,8 +125,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The ends of pieces that points pass directly after the start of the line. `None` if a point is beyond the bounds
-    /// of its piece at the start.
+    /// The ends of their present pieces that points pass directly after the start of the line. `None` if a point is
+    /// beyond the bounds of its piece at the start.
     fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
         for breakpoint in line.breakpoints() {

@@ -104,7 +104,8 @@ impl<'a> PathTracer<'a> {
         Some(same)
     }
 
-    /// Reference force of the load at t: the largest nodal force of f₀ plus span(t) times that of f₁.
+    /// Reference force of the load at t: the largest nodal force of f₀ plus a step of t (`span`) times the largest
+    /// nodal force of f₁.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
@@ -129,7 +130,8 @@ impl<'a> PathTracer<'a> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // If bases of springs or held dofs have moved, points in contact have gaps that are only rounding.
+        // If prescribed displacements of springs or held dofs move the plate, points in contact have gaps by rounding,
+        // up to `least`.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
@@ -139,8 +141,8 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // If a plate has a free rigid motion, its first motion is not proportional to the load. Its displacement
-            // from half the load to the whole load is.
+            // If a plate has a free rigid motion, only its displacement from half the load to the whole load is
+            // proportional to the load.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
@@ -151,7 +153,7 @@ impl<'a> PathTracer<'a> {
         Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
-    /// Largest nodal force of f₀, and of f₁; a couple counts as couple/arm.
+    /// Largest nodal force of f₀, and of f₁; nodal couples are divided by the element size.
     fn parts(&self) -> [f64; 2] {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }

@@ -7,7 +7,7 @@ use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use rayon::prelude::*;
 
-/// Number of points in one parallel chunk.
+/// Number of contact points that one parallel task handles.
 const PARALLEL: usize = 4096;
 
 /// Newton iterate.

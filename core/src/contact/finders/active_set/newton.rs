@@ -21,7 +21,8 @@ const UNSETTLED: usize = 8;
 /// Number of successive steps with little reduction of the residual after which the iteration ends: the residual is
 /// then rounding.
 const STALLS: usize = 3;
-/// Number of steps on an unchanged contact state without a new least residual after which the iteration ends.
+/// Number of steps on an unchanged contact state, without a new minimum of the residual, after which the iteration
+/// ends.
 const LASTING: usize = 12;
 
 /// A load to be solved by the Newton method, with the start of the iteration and the first factor.
@@ -35,7 +36,7 @@ pub(super) struct Start<'a> {
     pub(super) shared: Option<SharedFactor>,
 }
 
-/// The last factor in the solution of another load, if it fits the problem.
+/// The factor that is stored with the solution of another load, if it belongs to this problem.
 pub(super) fn system_of<'a>(problem: &ContactProblem, solution: &'a ContactSolution) -> Option<&'a Arc<System>> {
     solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.pattern, &problem.pattern))
 }
@@ -73,7 +74,7 @@ pub(super) async fn newton(
     let least = if load.nodal.iter().all(|&f| f == 0.0) { least_force(&iterate, load.held_value) } else { 0.0 };
     let reference = |iterate: &NewtonIterate| largest_force(problem, load.nodal, &[]).max(iterate.largest_force());
     let mut last = pieces.clone();
-    // The last contact state on which an exact solution was sought.
+    // The last contact state for which an exact solution was computed.
     let mut sought = Vec::new();
     let (mut since_settled, mut restarted, mut stagnation) = (0, false, Stagnation::NONE);
     for step in 1..=NEWTON {
@@ -89,7 +90,8 @@ pub(super) async fn newton(
         let mut negligible = iterate.rounding();
         if step > 1 && iterate.coarse_correction() {
             pieces = iterate.pieces();
-            // A smaller residual is rounding, and would only move a plate on soft supports as a rigid body.
+            // A residual smaller than this is rounding: a step would only move the softly supported plate as a rigid
+            // body.
             negligible = negligible.max(tolerances::SETTLED * reference(&iterate));
         }
         let tolerance = match (same, since_settled < UNSETTLED) {
@@ -123,7 +125,7 @@ pub(super) async fn newton(
                 iterate.set_penalty(iterate.kkt.augmentation.next_penalty(iterate.kkt.limit));
                 stagnation.restart();
             } else if iterate.residual.worst <= tolerances::BALANCED * force {
-                // Multipliers are updated in equilibrium only.
+                // Multipliers are updated only if the nodal forces are nearly in equilibrium.
                 iterate.renew_multipliers();
             }
             pieces = iterate.pieces();
@@ -144,8 +146,8 @@ pub(super) async fn newton(
         if worst <= tolerances::SETTLED * force || worst <= iterate.rounding() {
             return Ok((iterate.ended().require_finite()?, false));
         }
-        // Points without force and gap may change their piece for ever. So the iteration ends when the residual stops
-        // falling.
+        // Points without force and gap may change their piece of the law for ever. So the iteration ends when the
+        // residual stops falling.
         let Stagnation { stalled, lasting, before, lowest } = &mut stagnation;
         let is_slow = worst > tolerances::SLOW * *before;
         *stalled = if (unchanged || worst <= nearly) && is_slow { *stalled + 1 } else { 0 };
