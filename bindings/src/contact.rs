@@ -181,8 +181,8 @@ impl ContactProblem {
     /// starts from `start`, the solution of another load on the same problem.
     ///
     /// `progress(step, changing, residual)` is called after Newton steps or pivots. `changing` is the number of points
-    /// that changed their piece, `residual` is relative to the largest nodal force. An exception in `progress` ends the
-    /// solve.
+    /// that changed their piece of the law, `residual` is relative to the largest nodal force. An exception in
+    /// `progress` ends the solve.
     #[pyo3(signature = (load, held_value, form=None, start=None, progress=None))]
     fn solve(
         &self,
@@ -239,8 +239,8 @@ impl ContactProblem {
     /// ended: "reached", "unbounded" (no more events), "no_equilibrium", "too_many" (events) or "unsolved".
     ///
     /// `visit(t, switched, solution)` is called at the start, at every event and at the end. `switched` are the points
-    /// that change their piece; `solution.piece` is the contact state after the event. An exception in `visit` ends the
-    /// path. `progress` is called between events, at every step of the solves.
+    /// that change their piece of the law; `solution.piece` is the contact state after the event. An exception in
+    /// `visit` ends the path. `progress` is called between events, at every step of the solves.
     #[pyo3(signature = (start, add, held_value, end, visit, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(

@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use signorini_core::contact::{self, SolveError};
 use std::sync::Arc;
 
-/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) under one load. Without a solution all numbers
-/// are NaN, and all pieces 0.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces of the laws (m,) under one load. Without a solution
+/// all numbers are NaN, and all pieces 0.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,

@@ -21,7 +21,7 @@ pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
 }
 
 /// Solves one load on the contact state `pieces` (m,), starting from the solution `start` if it is given. Points of the
-/// result may be beyond the bounds of their pieces. Forces far below `least` count as rounding.
+/// result may be beyond the bounds of their pieces of the laws. Forces far below `least` count as rounding.
 pub(super) fn solve_on(
     problem: &ContactProblem,
     kkt: &mut dyn Kkt,

@@ -127,7 +127,7 @@ impl ContactProblem {
     }
 }
 
-/// For each point (m,), s₀ − g·u + (r − r₀)/k on its piece in `pieces`, see [`Residual::violation`].
+/// For each point (m,), s₀ − g·u + (r − r₀)/k on the piece of its law that `pieces` gives, see [`Residual::violation`].
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
@@ -139,7 +139,7 @@ fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]
     travel
 }
 
-/// Largest magnitude of the nodal forces `load` and of the reactions; couples are divided by a lever arm.
+/// Largest magnitude of the nodal forces `load` and of the reactions; couples are divided by a reference length.
 pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[f64]) -> f64 {
     let forces = reaction.iter().zip(&problem.points.arm).map(|(reaction, arm)| reaction.abs() / arm);
     forces.fold(problem.scale.largest(load), f64::max)

@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
-    /// Number of contact points that changed their piece in this step.
+    /// Number of contact points that changed their piece of the law in this step.
     pub changing: usize,
     /// Newton method: largest nodal force of the residual, divided by the largest force. Lemke's algorithm: artificial
     /// variable, divided by its first value.

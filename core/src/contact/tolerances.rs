@@ -102,8 +102,8 @@ pub(super) mod newton {
     /// Residual of the Newton method at convergence, relative to the largest force: 500 ε.
     pub(crate) const SETTLED: f64 = 1e-13;
 
-    /// Multipliers are updated while some points still change their piece, if the residual is at most this multiple of
-    /// the residual at convergence, `SETTLED`.
+    /// Multipliers are updated while some points still change their piece of the law, if the residual is at most this
+    /// multiple of the residual at convergence, `SETTLED`.
     pub(crate) const NEARLY: f64 = 1e3;
 
     /// Largest ratio of successive residuals on an unchanged contact state that counts as progress. A larger ratio
@@ -159,12 +159,12 @@ pub(super) mod path {
     /// times [`NO_LOAD`] and [`SAME_EVENT`].
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
-    /// Distances in t beyond an event, relative to a step that doubles the load. If exchanging pieces finds no contact
-    /// state after the event, a solve at these t finds it.
+    /// Distances in t beyond an event, relative to a step that doubles the load. A solve at these t finds the contact
+    /// state after the event if exchanging the pieces of points does not find it.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
-    /// The path jumps at an event if the reaction or gap of a point that changes its piece changes by more than this,
-    /// relative to its reference size.
+    /// The path jumps at an event if the reaction or gap of a point that changes its piece of the law changes by more
+    /// than this, relative to its reference size.
     pub(crate) const JUMP: f64 = 1e-9;
 
     /// Largest difference in t between an event on refined solutions and the same event of pivoting, relative to the
@@ -190,7 +190,8 @@ pub(super) mod path {
     /// nearly rounding.
     pub(crate) const LONGER: f64 = 1e12;
 
-    /// Reactions and gaps below this, relative to their reference size, count as zero at the common end of two pieces.
+    /// Reactions and gaps below this, relative to their reference size, count as zero at the common end of two pieces
+    /// of a law.
     pub(crate) const NOTHING: f64 = 1e-14;
 
     /// Smallest reference force of reactions on a path, relative to the largest nodal force of the load. [`SIGN`] times

@@ -145,7 +145,7 @@ fn load_of(q: &[f64], diagonal: &[f64]) -> f64 {
     if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) }
 }
 
-/// For each i, the largest |D_i M_ij D_j| in row i or column i.
+/// For each i, the largest entry |D_i M_ij D_j| of the scaled matrix in row i or column i.
 fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
     let order = lcp.order();
     let mut largest = vec![0.0_f64; order];

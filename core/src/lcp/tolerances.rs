@@ -6,8 +6,8 @@
 /// of soft supports of a free plate.
 pub(super) const PIVOT: f64 = 1e-11;
 
-/// A pivot of smaller relative size is doubtful: since the value is √ε, half of its digits may be rounding errors. The
-/// tableau is recomputed before such a pivot is used, unless it was recomputed shortly before.
+/// A pivot of smaller relative size than this is doubtful: since the value is √ε, half of its digits may be rounding
+/// errors. The tableau is recomputed before such a pivot is used, unless it was recomputed shortly before.
 pub(super) const DOUBTFUL_PIVOT: f64 = 1e-8;
 
 /// Relative tolerance for equal ratios. Two rows are tied if, at the smaller ratio, the basic variable of the other row

@@ -15,8 +15,8 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Largest fraction of the points that may be on another piece than in the reference state if its inverse is updated.
-/// With more such points a new factorization is cheaper.
+/// Largest fraction of the points that may be on another piece of their law than in the reference state if its inverse
+/// is updated. With more such points a new factorization is cheaper.
 const FEW: f64 = 0.25;
 /// Largest number of points for which the dense inverse is stored; it limits memory.
 const MOST: usize = 2000;
@@ -28,8 +28,8 @@ const CORRECTIONS: usize = 4;
 pub(super) type PointFactors = (Vec<f64>, Vec<f64>, Vec<f64>);
 
 /// Solver for x, the factors of the responses to the contact points, on one contact state after another. If the force r
-/// of a point depends on its travel, the equation of the point prescribes travel − r/k with the slope k of its piece;
-/// otherwise it prescribes r.
+/// of a point depends on its travel, the equation of the point prescribes travel − r/k with the slope k of its piece of
+/// the law; otherwise it prescribes r.
 pub(super) struct ContactSetSolver {
     form: Form,
     /// Travel (`moved`) and reaction of all m points in the response to each point (m, m), response by response.
@@ -200,7 +200,7 @@ impl ContactSetSolver {
     }
 
     /// Factors x (m,) by the updated inverse of the reference state. `None` if there is no inverse, if too many points
-    /// are on another piece than in the reference state, or without convergence.
+    /// are on another piece of their law than in the reference state, or without convergence.
     fn updated(&self, on: &On, pieces: &[u8], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let Some(ReferenceInverse { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = on.len();

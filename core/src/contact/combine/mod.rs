@@ -43,8 +43,8 @@ pub struct CombinedCases {
     /// this basis is singular.
     family: Option<LcpFamily>,
     set_solver: ContactSetSolver,
-    /// For each contact point (m,), the distance in travel from the state u = 0, r = 0 to the line of its first piece,
-    /// the piece on which the LCP is posed.
+    /// For each contact point (m,), the distance in travel from the state u = 0, r = 0 to the line of the piece of its
+    /// law on which the LCP starts.
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
@@ -54,9 +54,9 @@ impl ContactProblem {
     /// Condenses load cases for [`ContactProblem::combine`], from the responses without load (`rest`), to each case
     /// (`cases`) and to each contact point (`points`). The displacements of these responses are not used.
     ///
-    /// The reference contact state is the solution for the sum of all cases, or the first pieces if this load has no
-    /// solution. Each LCP starts from the basis of the reference state. The equations of each contact state are solved
-    /// with the inverse for the reference state.
+    /// The reference contact state is the solution for the sum of all cases, or the first pieces of the laws if this
+    /// load has no solution. Each LCP starts from the basis of the reference state. The equations of each contact state
+    /// are solved with the inverse for the reference state.
     pub fn combined_cases(
         &self,
         rest: Response,
@@ -189,7 +189,8 @@ impl ContactProblem {
     }
 }
 
-/// Right-hand side of the condensed equations for a response, with a copy of `violation` (m,).
+/// Right-hand side of the condensed equations for a response, with a copy of `violation` (m,), the distances to pieces
+/// of the laws.
 fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),

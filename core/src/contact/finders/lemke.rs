@@ -18,7 +18,7 @@ use crate::lcp::{Lcp, LemkeOptions, lemke_watched};
 const STATES: usize = 60;
 
 /// Solves one load by Lemke's algorithm and refines the solution. If a point of the refined solution is beyond a bound
-/// of its piece, a new LCP is posed from this solution.
+/// of its piece of the law, a new LCP is posed from this solution.
 pub(in crate::contact) fn by_lemke(
     problem: &ContactProblem,
     interface: &Interface,

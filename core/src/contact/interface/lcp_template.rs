@@ -25,10 +25,11 @@ pub struct LcpTemplate {
     motions: FreeMotions,
 }
 
-/// Factored equations HΔx = b, where x are the unknowns (force or travel) of all points on their first pieces.
+/// Factored equations HΔx = b, where x are the unknowns (force or travel) of all points on the first pieces of their
+/// laws.
 enum Elimination {
-    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces. `None` if
-    /// all first pieces are rigid.
+    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces of the
+    /// laws. `None` if all first pieces are rigid.
     Stiffness(Option<Lu>),
     /// H of the flexibility form. `alone` has each point whose column of H has a single entry, with this entry.
     /// `factor` is the factored block of H for the other points, `coupled`. `across` has the entries of H in rows of
@@ -65,8 +66,8 @@ impl LcpTemplate {
         let vertices = Vertices::of(points, interface.first_pieces(points, form));
         let piece = vertices.first_pieces(points);
         let Vertices { rows, .. } = &vertices;
-        // For each row of the LCP, the change of [travel, force] of its point per unit of z, along the piece beyond the
-        // vertex.
+        // For each row of the LCP, the change of [travel, force] of its point per unit of z, along the piece of its law
+        // beyond the vertex.
         let along: Vec<[f64; 2]> = rows.iter().map(|row| direction(points, row)).collect();
         let (elimination, mut columns) = match form {
             Form::Stiffness if interface.stiffness.is_some() => interface.by_stiffness(&piece, rows, &along)?,
@@ -78,7 +79,7 @@ impl LcpTemplate {
         }
         let entry = |r: usize, c: usize| match rows[r].before {
             // The unknown x of a point is x₀ − Σ columns z; w is the distance from x to the upper or lower end of the
-            // first piece.
+            // first piece of its law.
             None => rows[r].sign() * columns[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,
@@ -89,7 +90,7 @@ impl LcpTemplate {
     }
 
     /// Vector q (k,) of the LCP for a load, with balance in the free rigid motions imposed. The LCP is posed from the
-    /// state with reactions `reaction` (m,). `rhs.violation` is relative to [`Interface::first_pieces`].
+    /// state with reactions `reaction` (m,). `rhs.violation` has the distances to the first pieces of the laws.
     pub(in crate::contact) fn balanced_q(
         &self,
         interface: &Interface,
@@ -113,7 +114,8 @@ impl LcpTemplate {
         reaction: &[f64],
     ) -> Result<Vec<f64>, OutOfMemory> {
         let piece = self.vertices.first_pieces(points);
-        // A point that starts on a horizontal piece changes from its present reaction to the force of this piece.
+        // A point that starts on a horizontal piece of its law changes from its present reaction to the force of this
+        // piece.
         let released: Vec<f64> =
             (0..piece.len()).map(|j| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force }).collect();
         let linear = self.linear(interface, rhs, Some(&released))?;
@@ -121,8 +123,8 @@ impl LcpTemplate {
             if !row.is_next() {
                 return end_length(points, row);
             }
-            // x is `from` plus an increment, both relative to the reference point of the first piece. A vertex above
-            // this piece is reached from its upper end, a vertex below it from its lower end.
+            // x is `from` plus an increment, both relative to the reference point of the first piece of the law. A
+            // vertex above this piece is reached from its upper end, a vertex below it from its lower end.
             let (i, piece) = (row.point, piece[row.point]);
             let from = if piece.holds() { reaction[i] - piece.force } else { 0.0 };
             let [low, high] = points.ends(i, self.vertices.base[i]);
@@ -176,7 +178,8 @@ impl LcpTemplate {
         Ok(self.vertices.rows.iter().map(of).collect())
     }
 
-    /// Imposes balance in the free rigid motions on q: the reactions on the first pieces must balance the load.
+    /// Imposes balance in the free rigid motions on q: the reactions on the first pieces of the laws must balance the
+    /// load.
     pub(in crate::contact) fn balance(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance(q, rhs, work);
     }
@@ -188,8 +191,8 @@ impl LcpTemplate {
 }
 
 impl Interface {
-    /// The matrix H of the stiffness form SΔs + Δr = f̂ with every point on its first piece, factored, and the columns
-    /// (m, k) by which z acts on these equations.
+    /// The matrix H of the stiffness form SΔs + Δr = f̂ with every point on the first piece of its law, factored, and
+    /// the columns (m, k) by which z acts on these equations.
     fn by_stiffness(
         &self,
         piece: &[Piece],
@@ -212,8 +215,8 @@ impl Interface {
         Ok((Elimination::Stiffness(Some(Lu::of(coupled)?)), columns))
     }
 
-    /// The matrix H of the flexibility form (I − P̃δ)Δs + P̃Δr = d with every point on its first piece, factored, and
-    /// the columns (m, k) by which z acts on these equations.
+    /// The matrix H of the flexibility form (I − P̃δ)Δs + P̃Δr = d with every point on the first piece of its law,
+    /// factored, and the columns (m, k) by which z acts on these equations.
     fn by_flexibility(
         &self,
         piece: &[Piece],

@@ -50,8 +50,8 @@ pub(super) struct FreeMotions {
     /// Whether M_JJ, the block of M for rows whose z is a gap, is projected off the free rigid motions. If M is the
     /// Schur complement S, it is not: without projection S keeps more digits of its soft modes.
     projected: bool,
-    /// For each point whose first piece is between two horizontal pieces: (row of the upper end, row of the lower end,
-    /// length of the piece). These two rows of M differ only in sign.
+    /// For each point the first piece of whose law is between two horizontal pieces: (row of the upper end, row of the
+    /// lower end, length of the piece). These two rows of M differ only in sign.
     mirrored: Vec<(usize, usize, f64)>,
 }
 
@@ -129,8 +129,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Only LCP rows at an end of the first piece depend on the unknown x of their point. Rows of further
-            // vertices depend on z of the vertex before them.
+            // Only LCP rows at an end of the first piece of a law depend on the unknown x of their point. Rows of
+            // further vertices depend on z of the vertex before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -153,8 +153,8 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Changes q so that the reactions on the first pieces balance the load in the free rigid motions. Entries that are
-    /// only rounding become zero.
+    /// Changes q so that the reactions on the first pieces of the laws balance the load in the free rigid motions.
+    /// Entries that are only rounding become zero.
     pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
@@ -170,7 +170,8 @@ impl FreeMotions {
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // A point with a large gap does not change the tolerance at other points.
+            // The tolerance is relative to the gap of this point, so that a point with a large gap does not change it
+            // at other points.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }

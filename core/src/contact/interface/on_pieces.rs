@@ -22,8 +22,8 @@ pub(in crate::contact) struct OnPieces {
 
 enum Made {
     Nothing,
-    /// Schur complement S plus the stiffness of the pieces on the diagonal, for the points that are not on rigid
-    /// pieces.
+    /// Schur complement S plus the stiffness of the pieces of the laws on the diagonal, for the points that are not on
+    /// rigid pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }

@@ -18,9 +18,10 @@ pub struct Vertices {
 pub struct VertexRow {
     pub point: usize,
     vertex: u8,
-    /// Whether the vertex lies above the first piece of its point, at larger travel or force.
+    /// Whether the vertex lies above the first piece of its law, at larger travel or force.
     pub(super) upward: bool,
-    /// The row of the next vertex towards the first piece; `None` if the vertex is an end of the first piece.
+    /// The row of the next vertex towards the first piece of the law; `None` if the vertex is an end of the first
+    /// piece.
     pub(super) before: Option<usize>,
     pub(super) kind: Kind,
 }
@@ -37,12 +38,12 @@ pub(super) enum Kind {
 
 impl VertexRow {
     /// Whether w of the row is a force. It is if the force depends on the travel on the piece just before the vertex,
-    /// seen from the first piece.
+    /// seen from the first piece of the law.
     pub fn w_is_a_force(&self, points: &Points) -> bool {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
 
-    /// Whether the vertex is an end of the first piece of its point.
+    /// Whether the vertex is an end of the first piece of its law.
     pub(super) fn is_next(&self) -> bool {
         self.before.is_none()
     }
@@ -89,7 +90,7 @@ impl Vertices {
         self.rows.iter().filter(|row| row.kind != Kind::Other).count()
     }
 
-    /// Force (m,) of each point on its first piece at z = 0 and w = 0 in the LCP.
+    /// Force (m,) of each point on the first piece of its law at z = 0 and w = 0 in the LCP.
     pub(super) fn reference_forces(&self, points: &Points) -> Vec<f64> {
         let force = |i: usize| match (points.is_straight(i), points.piece(i, self.base[i]).holds()) {
             (false, true) => points.ends(i, self.base[i])[0].map_or(0.0, |end| end[1]),
@@ -99,8 +100,8 @@ impl Vertices {
         (0..points.len()).map(force).collect()
     }
 
-    /// For each point whose first piece is between two horizontal pieces: (row of the upper end, row of the lower end,
-    /// length of the piece in force).
+    /// For each point the first piece of whose law is between two horizontal pieces: (row of the upper end, row of the
+    /// lower end, length of the piece in force).
     pub(super) fn mirrored(&self, points: &Points) -> Vec<(usize, usize, f64)> {
         let upper = self.rows.iter().enumerate().filter(|(_, row)| {
             let flat = row.upward && !points.piece(row.point, row.vertex + 1).holds();
@@ -155,8 +156,8 @@ impl Vertices {
     }
 }
 
-/// Change of [travel, force] of a point along the piece beyond the vertex of a row, per unit of z. z is a force if the
-/// force depends on the travel on that piece, otherwise a travel.
+/// Change of [travel, force] of a point along the piece of its law beyond the vertex of a row, per unit of z. z is a
+/// force if the force depends on the travel on that piece, otherwise a travel.
 pub(super) fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };

@@ -1,8 +1,8 @@
 //! Preconditioned conjugate gradients for the equations of a contact state. The preconditioner is a factor with the
 //! springs of another contact state.
 //!
-//! Few points change their piece from one Newton step to the next. Therefore the last direction is deflated (Saad,
-//! Yeung, Erhel & Guyomarc'h 2000), and the iteration continues from state to state.
+//! Few points change their piece of the law from one Newton step to the next. Therefore the last direction is deflated
+//! (Saad, Yeung, Erhel & Guyomarc'h 2000), and the iteration continues from state to state.
 
 use super::factored::{Direction, Factored};
 use crate::cholesky::FactorError;
@@ -18,7 +18,7 @@ const SHARED: usize = 3;
 /// Largest number of conjugate gradient steps if the contact state cannot be factored.
 const MOST: usize = 500;
 
-/// The equations of one contact state.
+/// The linear equations of one contact state, and the accuracy of their solution.
 pub(in crate::contact) struct Equations<'e> {
     pub(in crate::contact) pieces: &'e [u8],
     /// Right-hand side (3n,): residual nodal forces.

@@ -51,7 +51,8 @@ impl PathTracer<'_> {
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
-            // If no point approaches an end of its piece, the basis changed because of rounding, and there is no event.
+            // If no point approaches an end of its piece of the law, the basis changed because of rounding, and there
+            // is no event.
             let real = |line: &Line<'_>| {
                 next.is_none_or(|next| line.crossed(next).into_iter().any(|breakpoint| line.fall(breakpoint) > 0.0))
             };

@@ -9,7 +9,7 @@ use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
 /// Largest number of trials for the contact state after an event. After each trial the points that would leave their
-/// pieces change to the adjacent pieces.
+/// pieces of the laws change to the adjacent pieces.
 const ROUNDS: usize = 20;
 
 /// Largest number of times that a line without events is made longer.
@@ -125,8 +125,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The ends of their present pieces that points pass directly after the start of the line. `None` if a point is
-    /// beyond the bounds of its piece at the start.
+    /// The ends of their present pieces of the laws that points pass directly after the start of the line. `None` if a
+    /// point is beyond the bounds of its piece at the start.
     fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
         for breakpoint in line.breakpoints() {
@@ -141,8 +141,8 @@ impl<'a> PathTracer<'a> {
         Some(wrong)
     }
 
-    /// The smallest t ≥ `from` at which points reach ends of their pieces, and these ends. t is infinite if there is no
-    /// event.
+    /// The smallest t ≥ `from` at which points reach ends of their present pieces of the laws, and these ends. t is
+    /// infinite if there is no event.
     fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
         let roots: Vec<(f64, Breakpoint)> = line

@@ -15,7 +15,7 @@ use crate::contact::solution::{ContactSolution, Progress, Watch, differing};
 use crate::contact::solve::Settings;
 use crate::contact::tolerances;
 
-/// The path tracer for one load.
+/// Tracer of the path of solutions under one load f₀ + t f₁.
 pub(super) struct PathTracer<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
@@ -81,7 +81,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The solution with the same displacements on the contact state `pieces`. `None` unless every point that changes
-    /// its piece is at the common end of its old and its new piece.
+    /// its piece is at the common end of its old and its new piece of the law.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
@@ -160,7 +160,7 @@ impl<'a> PathTracer<'a> {
 
     /// Reference sizes of the points. The reference force is `force`, or for a soft spring its reference travel divided
     /// by its compliance, if that is smaller. Travel and reaction then have equal weight where a point changes its
-    /// piece.
+    /// piece of the law.
     fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
         let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),

@@ -77,8 +77,8 @@ impl NewtonIterate<'_> {
             let (moved, old) = (length * change[i], *augmented_travel);
             *augmented_travel = old + moved;
             let series = self.kkt.series[i];
-            // On an unchanged piece the change of force is stiffness · travel. If the factor has the same stiffness,
-            // the difference below is exactly zero.
+            // If a point stays on its piece of the law, its change of force is stiffness · travel. If the factor has
+            // the same stiffness, the difference below is exactly zero.
             let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *augmented_travel));
             let increment = match piece == next {
                 true => points.piece(i, piece).in_series(series) * moved,
@@ -134,7 +134,7 @@ impl NewtonIterate<'_> {
         self.balance();
     }
 
-    /// The solution at the end of the iteration, with reactions, pieces and gaps of the contact points.
+    /// The solution at the end of the iteration, with reactions, gaps and pieces of the laws of the contact points.
     pub(super) fn ended(self) -> ContactSolution {
         let pieces = self.pieces();
         let (points, series) = (&self.problem.points, &self.kkt.series);

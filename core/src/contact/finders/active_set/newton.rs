@@ -90,8 +90,8 @@ pub(super) async fn newton(
         let mut negligible = iterate.rounding();
         if step > 1 && iterate.coarse_correction() {
             pieces = iterate.pieces();
-            // A residual smaller than this is rounding: a step would only move the softly supported plate as a rigid
-            // body.
+            // On soft supports a residual below the value at convergence is rounding: a step for it would only move the
+            // plate as a rigid body.
             negligible = negligible.max(tolerances::SETTLED * reference(&iterate));
         }
         let tolerance = match (same, since_settled < UNSETTLED) {
