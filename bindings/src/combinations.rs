@@ -137,8 +137,9 @@ pub fn combined_cases(
 /// Solves combinations in parallel. `factors` (k, c) has, for each combination, the factors of the load cases. No
 /// result depends on another combination.
 ///
-/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately. Then follow the factors of the point
-/// responses, the reactions and the gaps (k, m), whether each point has a force (k, m), and the number of pivots (k,).
+/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately. Then follow the factors of the
+/// responses to the points, the reactions and the gaps (k, m), whether each point has a force (k, m), and the number of
+/// pivots (k,).
 #[pyfunction]
 pub fn combine<'py>(
     problem: &ContactProblem,

@@ -14,7 +14,7 @@ pub enum SolveError {
     Unsolved,
     /// The callback cancelled the solve.
     Cancelled,
-    /// The call needs condensed contact points, but the plate is factored for the Newton method.
+    /// The call needs condensed contact points, but K is factored for the Newton method.
     NotCondensed,
     /// The call needs the Newton method, but the plate is condensed onto its contact points.
     Condensed,

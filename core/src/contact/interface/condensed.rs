@@ -35,9 +35,9 @@ pub(super) struct Flexibility {
 /// The form of the LCP, named by its unknowns z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// z are reactions, except at points with a stiffness δ > 0 in the factor, where z are gaps.
+    /// The unknowns z are reactions, except at points with a stiffness δ > 0 in the factor, where they are gaps.
     Dual,
-    /// z are gaps at all points.
+    /// The unknowns z are gaps at all points.
     Stiffness,
 }
 

@@ -36,7 +36,7 @@ impl Work {
 
 /// Data for imposing the free rigid motions on M and q; they do not depend on the load.
 pub(super) struct FreeMotions {
-    /// `moves` is N_J, the displacements under the free motions at the LCP rows J whose z is a gap. `dual` is
+    /// `moves` is N_J, the displacements under the free rigid motions at the LCP rows J whose z is a gap. `dual` is
     /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
     moves: Mat<f64>,
     dual: Mat<f64>,
@@ -170,8 +170,8 @@ impl FreeMotions {
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // The tolerance is relative to the gap of this point, so that a point with a large gap does not change it
-            // at other points.
+            // The tolerance for a zero gap depends on the gap of this point alone: a large gap does not change it at
+            // other points.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }
