@@ -5,8 +5,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_mesher::{Line, Loop, MeshOptions, Refinement, mesh};
 
-/// A loop: corners (k, 2); for each side a point (k, 2) on its arc, NaN for a straight side; names (k,) of the sides.
-/// Side i begins at corner i.
+/// A loop of the outline or of a hole: corners (k, 2); for each side a point (k, 2) on its arc, NaN for a straight
+/// side; names (k,) of the sides. Side i begins at corner i.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
 type MeshArrays<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>);

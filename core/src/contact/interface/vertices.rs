@@ -29,9 +29,9 @@ pub struct VertexRow {
 /// Kind of the unknown z of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// z is the gap of a point that starts in contact.
+    /// The unknown z is the gap of a point that starts in contact.
     Gap,
-    /// z is the reaction of a point that starts open.
+    /// The unknown z is the reaction of a point that starts open.
     Reaction,
     Other,
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Largest number of Newton steps. The largest number that one of 150,000 random plates needed is 732.
 const NEWTON: usize = 2000;
-/// After this number of successive steps with a changing contact state, directions are computed accurately.
+/// After this number of successive steps with a changing contact state, directions are computed more accurately.
 const UNSETTLED: usize = 8;
 /// Number of successive steps with little reduction of the residual after which the iteration ends: the residual is
 /// then rounding.
