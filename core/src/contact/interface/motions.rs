@@ -170,8 +170,7 @@ impl FreeMotions {
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // The tolerance for a zero gap depends on the gap of this point alone: a large gap does not change it at
-            // other points.
+            // A large gap of one point changes the tolerance for a zero gap at this point only.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }
