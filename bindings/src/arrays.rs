@@ -13,7 +13,7 @@ pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// An empty vector with reserved memory for `len` numbers. Raises MemoryError if there is not enough.
+/// An empty vector with reserved memory for `len` numbers. Raises MemoryError if there is not enough memory.
 pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
@@ -31,7 +31,7 @@ pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, 
     }
 }
 
-/// The rows of a numpy matrix with N columns. Raises ValueError if the number of columns differs.
+/// The rows of a numpy matrix with N columns. Raises ValueError if the matrix has another number of columns.
 pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
     what: &str,
     array: &PyReadonlyArray2<'_, T>,
@@ -68,8 +68,9 @@ pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-/// The table of m rows of supports of a plate, from elements (m + q,), coefficients (m + q, 24) and `further` (q,). The
-/// last q entries continue the rows with the numbers `further` in other elements.
+/// The table of m support rows over the elements of a plate. Entry i of `elements` (m + q,) is an element, entry i of
+/// `rows` (m + q, 24) has the coefficients of its dofs. The last q entries continue the rows with the numbers `further`
+/// (q,) in other elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,
@@ -82,7 +83,7 @@ pub fn element_rows(
         return Err(invalid(format!("{} elements for {} rows", element.len(), coefficient.len())));
     }
     if coefficient.iter().flatten().any(|c| !c.is_finite()) {
-        return Err(invalid("a row is not finite"));
+        return Err(invalid("a coefficient of a row is not finite"));
     }
     let owners = further_rows(further, element.len())?;
     let own = element.len() - owners.len();
@@ -93,14 +94,14 @@ pub fn element_rows(
     Ok(Rows { element, coefficient, further }.onto_leaders(plate))
 }
 
-/// For each of the last q of `pieces` entries, the number of the row (q,) that it continues. Raises ValueError unless
-/// these numbers are in ascending order.
+/// For each of the last q of `pieces` entries in a table of rows, the number of the row (q,) that it continues. Raises
+/// ValueError unless these numbers are in ascending order.
 pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyResult<Vec<usize>> {
     let Some(rows) = pieces.checked_sub(further.len()) else {
-        return Err(invalid(format!("{pieces} elements cannot go on {} rows", further.len())));
+        return Err(invalid(format!("{pieces} elements, but {} entries in further", further.len())));
     };
-    let owners = indices("the row that goes on in another element", further, rows)?;
-    if owners.is_sorted() { Ok(owners) } else { Err(invalid("rows that go on must be in ascending order")) }
+    let owners = indices("further", further, rows)?;
+    if owners.is_sorted() { Ok(owners) } else { Err(invalid("the row numbers in further must be in ascending order")) }
 }
 
 /// Linear springs as (elements, rows, further, stiffness, base); see `element_rows` for the first three.

@@ -40,7 +40,7 @@ impl Response {
         PyArray1::from_slice(py, &self.inner.reaction)
     }
 
-    /// This response without its displacements, which a solve of combinations does not read.
+    /// A copy of this response without nodal displacements, which `combine` does not need.
     fn at_points(&self) -> Self {
         Self { inner: at_points(self), of: self.of.clone() }
     }
@@ -51,7 +51,7 @@ impl Response {
     }
 }
 
-/// Condensed load cases, which all combinations share.
+/// Condensed load cases, which all combinations of `combine` share.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct CombinedCases {
     inner: contact::CombinedCases,
@@ -67,7 +67,7 @@ type Combined<'py> = (
     Bound<'py, PyArray1<i64>>,
 );
 
-/// The response without its displacements, which a solve of combinations does not read.
+/// A copy of a response without nodal displacements, which `combine` does not need.
 fn at_points(response: &Response) -> contact::Response {
     let r = &response.inner;
     contact::Response {
@@ -78,7 +78,8 @@ fn at_points(response: &Response) -> contact::Response {
     }
 }
 
-/// The response without load: held dofs have the values `held_value` (3n,), and springs are at their bases.
+/// The response without load: held dofs have the values `held_value` (3n,), and bases of springs their prescribed
+/// displacements.
 #[pyfunction]
 pub fn rest_response(
     problem: &ContactProblem,
@@ -90,7 +91,7 @@ pub fn rest_response(
     Ok(Response { inner, of: problem.inner.clone() })
 }
 
-/// The responses to nodal loads (k, 3n), with the values of held dofs and the bases of springs at zero.
+/// The responses to nodal loads (k, 3n), with zero displacement at held dofs and at bases of springs.
 #[pyfunction]
 pub fn load_responses(
     problem: &ContactProblem,
@@ -136,8 +137,9 @@ pub fn combined_cases(
 /// Solves combinations in parallel. `factors` (k, c) has, for each combination, the factors of the load cases. No
 /// result depends on another combination.
 ///
-/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately. Then follow the factors of the point
-/// responses, the reactions and the gaps (k, m), whether each point has a force (k, m), and the number of pivots (k,).
+/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately. Then follow the factors of the
+/// responses to the points, the reactions and the gaps (k, m), whether each point has a force (k, m), and the number of
+/// pivots (k,).
 #[pyfunction]
 pub fn combine<'py>(
     problem: &ContactProblem,
@@ -145,7 +147,7 @@ pub fn combine<'py>(
     cases: PyRef<'_, CombinedCases>,
     factors: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Combined<'py>> {
-    problem.require_own(&cases.of, "what the cases share")?;
+    problem.require_own(&cases.of, "the condensed load cases")?;
     let factors = rows(&factors);
     let shared = &cases.inner;
     let result = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
@@ -177,8 +179,8 @@ pub fn combine<'py>(
     ))
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements. Each displacement comes with the plate that it belongs
-/// to.
+/// Moments and shears [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements. Each displacement comes with the
+/// plate that it belongs to.
 pub fn stresses<'py>(
     py: Python<'py>,
     plate: &Plate,
@@ -188,7 +190,7 @@ pub fn stresses<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (number, nodes) = (displacements.len(), plate.inner.stress_nodes().1);
     if displacements.iter().any(|(of, _)| !std::ptr::eq(*of, &*plate.inner)) {
-        return Err(invalid("a displacement is of another plate"));
+        return Err(invalid("a displacement belongs to another plate"));
     }
     let curvatures = rows_of::<3, f64>("curvatures", curvatures)?;
     if curvatures.len() != number || couples.shape() != [number, 2 * plate.inner.elements().len()] {
@@ -225,7 +227,7 @@ pub fn superpose<'py>(
 }
 
 type Peaks<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<i64>>);
-/// Largest values (n,) and their combinations, smallest values and their combinations.
+/// The envelope of a field, four vectors (n,): largest values, their combinations, smallest values, their combinations.
 type Bounds<'py> = (
     PyReadwriteArray1<'py, f64>,
     PyReadwriteArray1<'py, i64>,
@@ -235,10 +237,11 @@ type Bounds<'py> = (
 
 /// Updates the envelopes (n,) of f fields in place with k combinations, whose numbers are `who` (k,).
 ///
-/// The arguments of `formulas` are sums of `inputs`, each vectors (b, n), with coefficients (k, b), and `thickness` (n,),
-/// see `evaluate`. `wanted` (f,) are the indices of the fields among the values of all formulas. Returns the largest and
-/// the smallest value (f, k, 2) of each field and combination, and the indices of these values (f, k, 2). Entry i is
-/// excluded from them if `left_out` (k, c) is true for the class `classes[i]`.
+/// Each field is a value of one of `formulas`, which are described at `evaluate`. Their inputs are sums of vectors: row
+/// i of `coefficients` (k, b) multiplies the b vectors (b, n) of each of `inputs`. `wanted` (f,) are the indices of the
+/// fields among the values of all formulas. Returns the largest and the smallest value (f, k, 2) of each field and
+/// combination, and the indices of these values (f, k, 2). Entry i is excluded from them if `left_out` (k, c) is true
+/// for the class `classes[i]`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn envelop<'py>(
@@ -264,17 +267,17 @@ pub fn envelop<'py>(
         || bounds.iter().flat_map(sizes).any(|size| size != length)
         || thickness.len() != length
     {
-        return Err(invalid("coefficients (k, b), vectors (b, n), k names and envelopes (n,) must agree"));
+        return Err(invalid("coefficients (k, b), inputs (b, n), who (k,) and envelopes (n,) must agree"));
     }
     if formulas.iter().any(|formula| formula.inputs() != inputs.len())
         || wanted.len() != bounds.len()
         || wanted.iter().any(|&value| value >= values)
     {
-        return Err(invalid("formulas must have the given inputs, and values that have envelopes"));
+        return Err(invalid("formulas need as many inputs as are given, and an envelope for each index in wanted"));
     }
     let (class, count_of) = (classes.as_slice()?, left_out.shape()[1]);
     if left_out.shape()[0] != number || class.iter().any(|&c| c < 0 || c as usize >= count_of) {
-        return Err(invalid("classes (n,) must count from 0, and left_out (k, c) tell of each"));
+        return Err(invalid("classes (n,) must be from 0 to c - 1, and left_out must have shape (k, c)"));
     }
     let left_out = LeftOut { class, sums: left_out.as_slice()?, classes: count_of };
     let vectors = inputs.iter().map(|vectors| Ok(vectors.as_slice()?)).collect::<PyResult<Vec<&[f64]>>>()?;
@@ -299,7 +302,8 @@ pub fn envelop<'py>(
     Ok((PyArray1::from_vec(py, values).reshape(shape)?, PyArray1::from_vec(py, places).reshape(shape)?))
 }
 
-/// The formula of a name; `bars` are the numbers of `Bars` in their order, which only "steel" reads.
+/// The formula with the given name. `bars` are the fields of `Bars` in their order; only the formula "steel" needs
+/// them.
 fn formula(name: &str, bars: &[f64]) -> PyResult<Formula> {
     Ok(match name {
         "sum" => Formula::Sum,
@@ -312,7 +316,7 @@ fn formula(name: &str, bars: &[f64]) -> PyResult<Formula> {
             [a, b, c, d, block, yield_stress, deepest, least, most, plain] => {
                 Formula::Steel(Bars { distance: [a, b, c, d], block, yield_stress, deepest, least, most, plain })
             }
-            _ => return Err(invalid("steel needs the 10 numbers of its bars")),
+            _ => return Err(invalid("the formula steel needs 10 numbers in bars")),
         },
         _ => return Err(invalid(format!("unknown formula {name}"))),
     })

@@ -89,8 +89,8 @@ fn form_of(name: &str) -> PyResult<Form> {
 }
 
 impl ContactProblem {
-    /// Raises an error if an object belongs to another problem. If the sizes of both problems are equal, the mistake
-    /// would otherwise go unnoticed.
+    /// Raises an error if an object belongs to another contact problem. If both problems have the same sizes, the
+    /// mistake would otherwise go unnoticed.
     pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
         if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
     }
@@ -100,7 +100,8 @@ impl ContactProblem {
     }
 }
 
-/// Calls `progress` with the step, or checks for signals if `progress` is None.
+/// Calls `progress` with the step number, the number of changing points and the residual. Without `progress`, checks
+/// for signals.
 fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult<()> {
     match progress {
         Some(progress) => progress.call1(py, (now.step, now.changing, now.residual)).map(|_| ()),
@@ -108,7 +109,7 @@ fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult
     }
 }
 
-/// Runs a solve while the interpreter is released. An exception in `progress`, or a signal, ends the solve.
+/// Runs a solve without Python's interpreter lock. An exception in `progress`, or a signal, ends the solve.
 fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -117,7 +118,7 @@ fn watched<T: Send>(
     told(py, |py, now| tell(py, progress.as_ref(), now), solve)
 }
 
-/// Messages that the tracer of a path sends to the thread of the interpreter.
+/// Messages from the path tracer to the thread of the Python interpreter.
 enum News {
     Stop(f64, Vec<i64>, contact::ContactSolution),
     Progress(Progress),
@@ -158,7 +159,7 @@ impl ContactProblem {
             delta: vector(&points.regularization),
             free_motions: free_motions.map_or(Vec::new(), |motions| rows(&motions)),
         };
-        // `Points` has copied the table, which takes considerable memory if it has a million rows.
+        // `Points` has a copy of the table of rows. The table is freed, since a million rows take considerable memory.
         drop(table);
         let method = method_of(method)?;
         let shared = plate.inner.clone();
@@ -171,7 +172,7 @@ impl ContactProblem {
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// The same problem with other distances g (m,) of the contact points. Both problems share the factor.
+    /// The same problem with other gaps `distance` (m,) of the contact points. Both problems share the factor.
     fn with_distance(&self, distance: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
         Ok(Self { inner: Arc::new(self.inner.with_shift(vector(&distance)).map_err(failed)?) })
     }
@@ -180,8 +181,8 @@ impl ContactProblem {
     /// starts from `start`, the solution of another load on the same problem.
     ///
     /// `progress(step, changing, residual)` is called after Newton steps or pivots. `changing` is the number of points
-    /// that changed their piece, `residual` is relative to the largest nodal force. An exception in `progress` ends the
-    /// solve.
+    /// that changed their piece of the law, `residual` is relative to the largest nodal force. An exception in
+    /// `progress` ends the solve.
     #[pyo3(signature = (load, held_value, form=None, start=None, progress=None))]
     fn solve(
         &self,
@@ -201,8 +202,8 @@ impl ContactProblem {
         self.solution(watched(py, progress, |watch| self.inner.solve(&load, &settings, start, watch))?)
     }
 
-    /// Solves one load and factors its contact state, for warm starts. None if the points are condensed, or if there is
-    /// no solution. `progress` is called as in `solve`.
+    /// Solves one load and factors K with the springs of its contact state, for warm starts of other loads. None if the
+    /// points are condensed, or if there is no solution. `progress` is called as in `solve`.
     #[pyo3(signature = (load, held_value, progress=None))]
     fn solve_and_factor(
         &self,
@@ -221,7 +222,7 @@ impl ContactProblem {
     }
 
     /// Displacements, reactions and gaps under one load on the contact state `pieces` (m,). Points may be beyond the
-    /// ends of their pieces.
+    /// ends of their pieces of the laws.
     fn solve_on(
         &self,
         py: Python<'_>,
@@ -238,8 +239,8 @@ impl ContactProblem {
     /// ended: "reached", "unbounded" (no more events), "no_equilibrium", "too_many" (events) or "unsolved".
     ///
     /// `visit(t, switched, solution)` is called at the start, at every event and at the end. `switched` are the points
-    /// that change their piece; `solution.piece` is the contact state after the event. An exception in `visit` ends the
-    /// path. `progress` is called between events, at every step of the solves.
+    /// that change their piece of the law; `solution.piece` is the contact state after the event. An exception in
+    /// `visit` ends the path. `progress` is called between events, at every step of the solves.
     #[pyo3(signature = (start, add, held_value, end, visit, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(
@@ -278,8 +279,8 @@ impl ContactProblem {
     }
 
     #[pyo3(signature = (load, held_value, form=None))]
-    /// The LCP w = Mz + q of one load: M (k, k), q (k,), the contact point of each row, and whether w of each row is a
-    /// force.
+    /// The LCP w = Mz + q of the contact points under one load: M (k, k), q (k,), the contact point of each row, and
+    /// whether w of each row is a force.
     fn lcp<'py>(
         &self,
         py: Python<'py>,
@@ -299,7 +300,8 @@ impl ContactProblem {
         ))
     }
 
-    /// Displacements K̃⁻¹f (3n,) under a nodal load f, where K̃ = K + Gᵀ diag(δ) G includes the regularization δ.
+    /// Displacements K̃⁻¹f (3n,) under a nodal load f, where K̃ = K + Gᵀ diag(δ) G includes the springs δ =
+    /// `regularization` at the contact points.
     fn apply_inverse<'py>(
         &self,
         py: Python<'py>,
@@ -317,7 +319,7 @@ impl ContactProblem {
         (s.order, s.factor, s.condense)
     }
 
-    /// Number of stored entries of the factor.
+    /// Number of stored entries of the factored matrix.
     #[getter]
     fn factor_entries(&self) -> usize {
         self.inner.factor_size().0

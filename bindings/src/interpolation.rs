@@ -101,19 +101,19 @@ fn each_point(
 ) -> PyResult<()> {
     if elements.shape()[1] != 8 || xi.shape() != [of.len(), 2] {
         return Err(invalid(
-            "elements must have shape (ne, 8), and reference points (q, 2), one for each element given",
+            "elements must have shape (ne, 8), and reference points (q, 2), one for each entry of `of` (q,)",
         ));
     }
     let (elements, of, xi) = (elements.as_array(), of.as_array(), xi.as_array());
     for (&element, at) in of.iter().zip(xi.rows()) {
         let Some(e) = usize::try_from(element).ok().filter(|&e| e < elements.nrows()) else {
-            return Err(invalid(format!("a point is in element {element} of {}", elements.nrows())));
+            return Err(invalid(format!("a point is in element {element}; there are {} elements", elements.nrows())));
         };
         let mut nodes = [0; 8];
         for (own, &node) in nodes.iter_mut().zip(elements.row(e)) {
             *own = usize::try_from(node).unwrap_or(usize::MAX);
             if *own >= node_count {
-                return Err(invalid(format!("element {e} has node {node} of {node_count}")));
+                return Err(invalid(format!("element {e} has node {node}, but there are {node_count} nodes")));
             }
         }
         let functions = if nodes[2] == nodes[3] { shape::triangular } else { shape::serendipity };

@@ -5,8 +5,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use signorini_mesher::{Line, Loop, MeshOptions, Refinement, mesh};
 
-/// A loop: corners (k, 2); for each side a point (k, 2) on its arc, NaN for a straight side; names (k,) of the sides.
-/// Side i begins at corner i.
+/// A loop of the outline or of a hole: corners (k, 2); for each side a point (k, 2) on its arc, NaN for a straight
+/// side; names (k,) of the sides. Side i begins at corner i.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
 type MeshArrays<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>);
@@ -62,7 +62,7 @@ fn loop_of((corners, through, names): &LoopArrays<'_>) -> PyResult<Loop> {
     let corners = rows_of::<2, f64>("the corners", corners)?;
     let through = rows_of::<2, f64>("the points of arcs", through)?;
     if corners.len() < 2 || through.len() != corners.len() || names.len() != corners.len() {
-        return Err(invalid("a loop needs two corners at least, and as many points of arcs and names as corners"));
+        return Err(invalid("a loop needs at least two corners, and a point of an arc and a name for each corner"));
     }
     if corners.iter().flatten().any(|x| !x.is_finite()) {
         return Err(invalid("a corner is not finite"));

@@ -62,7 +62,7 @@ fn thickness_of(
 ) -> PyResult<Thickness> {
     let points = kind.points().len();
     let at_points = match thickness {
-        ThicknessArray::Constant(_) if layered.is_some() => return Err(invalid("a constant thickness has no layers")),
+        ThicknessArray::Constant(_) if layered.is_some() => return Err(invalid("layered needs thickness (e, p)")),
         ThicknessArray::Constant(thickness) => return Ok(Thickness::Constant(thickness)),
         ThicknessArray::Varying(thickness) if thickness.shape() == [elements, points] => thickness,
         ThicknessArray::Varying(other) => {
@@ -70,9 +70,9 @@ fn thickness_of(
         }
     };
     let layered = layered.map_or(Ok(Layered::default()), |(which, rigidities)| {
-        let element = indices("the elements of sections", &which, elements)?;
+        let element = indices("the elements of layered", &which, elements)?;
         if rigidities.shape() != [element.len(), points, 9] {
-            return Err(invalid(format!("sections must have shape {:?}", [element.len(), points, 9])));
+            return Err(invalid(format!("the rigidities of layered must have shape {:?}", [element.len(), points, 9])));
         }
         let values: Vec<f64> = rigidities.as_array().iter().copied().collect();
         Ok(Layered { element, section: values.chunks_exact(9).map(section).collect() })
@@ -84,7 +84,7 @@ fn elements_of(given: &PyReadonlyArray2<'_, i64>) -> PyResult<Vec<[usize; 8]>> {
     let numbered = |nodes: [i64; 8]| {
         let mut out = [0; 8];
         for (o, n) in out.iter_mut().zip(nodes) {
-            *o = usize::try_from(n).map_err(|_| invalid(format!("an element names node {n}")))?;
+            *o = usize::try_from(n).map_err(|_| invalid(format!("an element has the negative node number {n}")))?;
         }
         Ok(out)
     };
@@ -181,7 +181,7 @@ impl Plate {
         let elements = indices("elements", &elements, self.inner.elements().len())?;
         let xi = rows_of::<2, f64>("reference points", &xi)?;
         if xi.len() != elements.len() || field > 2 {
-            return Err(invalid("one reference point an element, and field 0, 1 or 2"));
+            return Err(invalid("there must be one reference point for each element, and field must be 0, 1 or 2"));
         }
         let mut rows = Vec::with_capacity(24 * xi.len());
         let mut centre = Vec::with_capacity(2 * xi.len());
@@ -274,9 +274,9 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5), and at the four sampling points of each element (e, 4, 5). If the plate
-    /// has `stress_elements`, the values at nodes are at their stress nodes. The sampling points are the 2×2 Gauss
-    /// points of a quadrilateral, or three points near the corners and the centroid of a triangle.
+    /// Moments and shears [mx, my, mxy, qx, qy] at nodes (n, 5), and at the four sampling points of each element (e, 4,
+    /// 5). If the plate has `stress_elements`, the values at nodes are at their stress nodes. The sampling points are
+    /// the 2×2 Gauss points of a quadrilateral, or three points near the corners and the centroid of a triangle.
     fn stresses<'py>(
         &self,
         py: Python<'py>,
@@ -295,7 +295,7 @@ impl Plate {
     }
 
     /// Nodal forces K_e u − f_κ (k, 24) of elements (k,) in nodal frames, with f_κ the load of the stress-free
-    /// curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the p integration points of the stiffness.
+    /// curvature, and moments and shears [mx, my, mxy, qx, qy] (k, p, 5) at the p integration points of the stiffness.
     fn element_forces<'py>(
         &self,
         py: Python<'py>,

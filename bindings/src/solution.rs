@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use signorini_core::contact::{self, SolveError};
 use std::sync::Arc;
 
-/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) under one load. Numbers are NaN unless the load
-/// has a solution.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces of the laws (m,) under one load. Without a solution
+/// all numbers are NaN, and all pieces 0.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
@@ -16,8 +16,8 @@ pub struct ContactSolution {
 }
 
 impl ContactSolution {
-    /// The solution. For a load without a solution: the status, and NaN for every number. Other failures raise an
-    /// error.
+    /// Converts the result of a solve. Without a solution it has the status, NaN for all numbers and 0 for all pieces.
+    /// Other errors are raised.
     pub fn of(
         problem: &Arc<contact::ContactProblem>,
         solved: Result<contact::ContactSolution, SolveError>,

@@ -25,8 +25,8 @@ struct Pool {
     next: OnceLock<Box<Pool>>,
 }
 
-/// The pools, a list that only grows. It is read without a lock, since another thread might hold a lock while this
-/// thread forks.
+/// The pools, a list that only grows. It is read without a lock, since a lock that another thread holds during a fork
+/// would never be released in the child.
 static POOLS: OnceLock<Box<Pool>> = OnceLock::new();
 
 thread_local! {
@@ -44,7 +44,7 @@ fn pool() -> PyResult<&'static ThreadPool> {
                 let threads = ThreadPoolBuilder::new()
                     .stack_size(STACK)
                     .build()
-                    .map_err(|error| PyOSError::new_err(format!("threads to work on cannot be started: {error}")))?;
+                    .map_err(|error| PyOSError::new_err(format!("threads cannot be started: {error}")))?;
                 // If another thread has set the entry first, the next round of the loop uses the pool of that thread.
                 let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
             }
@@ -52,14 +52,14 @@ fn pool() -> PyResult<&'static ThreadPool> {
     }
 }
 
-/// Runs `work`, which calls the core, while the interpreter is released.
+/// Runs `work`, which calls the core, without Python's interpreter lock.
 pub fn released<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = pool()?;
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// Runs `work` as `released` does. `work` gets a function that passes its argument to `tell` and returns whether to
-/// continue.
+/// Runs `work` on the pool, without Python's interpreter lock. `work` gets a function that passes its argument to
+/// `tell` and returns whether to continue.
 ///
 /// `tell` runs on the calling thread, since Python handles signals and windows on one thread only. An exception in
 /// `tell` ends the work and is raised.
@@ -80,7 +80,8 @@ pub fn told<N: Send, T: Send>(
             scope.spawn(move |_| {
                 *result = Some(work(&mut |now| news.send(now).is_ok() && answered.recv().is_ok()));
             });
-            // If `tell` gives no answer, the work ends. This holds also if `tell` panics, which drops the channel.
+            // `work` waits for an answer to each message. Without an answer it ends, also if `tell` panics, which drops
+            // the channel.
             for now in heard {
                 match Python::attach(|py| in_callback(|| tell(py, now))) {
                     Ok(()) => drop(answer.send(())),
@@ -94,11 +95,12 @@ pub fn told<N: Send, T: Send>(
     });
     match raised {
         Some(error) => Err(error),
-        None => Ok(output.expect("work that did not panic has come to its end")),
+        None => Ok(output.expect("the work ended without a panic")),
     }
 }
 
-/// Runs `work` as `released` does. `work` gets a function that returns false after a signal such as Ctrl-C.
+/// Runs `work` on the pool, without Python's interpreter lock. `work` gets a function that returns false after a signal
+/// such as Ctrl-C.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send) -> PyResult<T> {
     told(py, |py, (): ()| py.check_signals(), |tell| work(&mut || tell(())))
 }
@@ -122,7 +124,7 @@ pub fn interruptible_alone<T: Send>(
     raised.map_or(Ok(output), Err)
 }
 
-/// Runs a callback. Calls of the core from the callback use another pool, whose threads do not wait.
+/// Runs a Python callback. Calls of the core from the callback use another pool, whose threads do not wait.
 fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
     struct Leaving;
     impl Drop for Leaving {

@@ -32,8 +32,8 @@ pub fn solve_together(
     solved.map_err(failed)?.into_iter().map(|solved| problem.solution(solved)).collect()
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of b solutions. If the plate has `stress_elements`, the values are at their
-/// stress nodes.
+/// Moments and shears [mx, my, mxy, qx, qy] at nodes (b, n, 5) of b solutions. If the plate has `stress_elements`, the
+/// values are at their stress nodes.
 #[pyfunction]
 pub fn solution_stresses<'py>(
     py: Python<'py>,

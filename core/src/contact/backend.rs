@@ -1,4 +1,5 @@
-//! The methods, the factored plate that each method needs, and the penalties of the Newton method.
+//! The methods that find the contact state, the factored stiffness matrix that each method needs, and the penalties of
+//! the Newton method.
 
 use super::graph::Piece;
 use super::interface::{Interface, LcpTemplate};
@@ -9,24 +10,25 @@ use crate::element::packed;
 use crate::plate::Plate;
 use std::sync::{Arc, OnceLock};
 
-/// The method that finds the contact state; the plate is factored for this method.
+/// The method that finds the contact state. Each method needs another factored stiffness matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Lemke's algorithm, for few contact points: the plate is condensed onto all points.
+    /// Lemke's algorithm, for few contact points: the stiffness matrix is condensed onto the contact points.
     Lemke,
-    /// The semismooth Newton method, for any number of contact points: the factor includes a spring at each point.
+    /// The semismooth Newton method, for any number of contact points: the factored matrix includes a spring at each
+    /// contact point.
     ActiveSet,
     /// The semismooth Newton method on the saddle-point system: the force of each contact point is an unknown of the
-    /// factor. The springs may be nearly as stiff as rigid supports, so forces of nearly dependent points keep their
-    /// digits.
+    /// factored matrix. Springs may be nearly as stiff as rigid supports: the forces of points with nearly dependent
+    /// rows of G then keep their digits.
     Saddle,
 }
 
-/// The factored plate that a method needs.
+/// The factored stiffness matrix that a method needs.
 #[derive(Clone)]
 pub(super) enum Backend {
-    /// Factor of K̃ = K + Gᵀ diag(δ) G, condensed onto all contact points. `templates` holds the LCP in stiffness and
-    /// in dual form; each is made when it is first needed.
+    /// Factor of K̃ = K + Gᵀ diag(δ) G, condensed onto all contact points; δ are spring stiffnesses of the points.
+    /// `templates` holds the LCP in stiffness and in dual form; each is made when it is first needed.
     Condensed { interface: Arc<Interface>, templates: Arc<[OnceLock<LcpTemplate>; 2]> },
     /// Factor of K with a spring at each contact point.
     Penalised(Arc<Augmentation>),
@@ -34,7 +36,7 @@ pub(super) enum Backend {
     SaddlePoint(Arc<Augmentation>),
 }
 
-/// The augmented Lagrangian of the Newton method: each stiff point has an augmentation compliance σ in series.
+/// The augmented Lagrangian of the Newton method: each stiff contact point has an augmentation compliance σ in series.
 pub(super) struct Augmentation {
     /// Reference stiffness (m,) of the plate at each contact point; σ = 1/(penalty · reference stiffness).
     stiffness: Vec<f64>,
@@ -43,8 +45,8 @@ pub(super) struct Augmentation {
 }
 
 impl Augmentation {
-    /// Makes the augmentation with the shear stiffness of the elements as reference. With the first penalty the plate
-    /// bends over many elements, so that the contact state settles in few steps.
+    /// Makes the augmentation with the shear stiffness of the elements as reference stiffness. The first penalty is so
+    /// small that contact forces bend the plate over many elements; the contact state then settles in few steps.
     pub(super) fn of_penalties(plate: &Plate, points: &Points) -> Self {
         let mut new = Self { stiffness: shear_at(plate, points), first_penalty: tolerances::newton::STIFFEST };
         let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
@@ -83,8 +85,8 @@ impl Augmentation {
         (0..points.len()).map(of).collect()
     }
 
-    /// Stiffness (m,) of each contact point on its piece `piece(i)`, in series with the augmentation compliance σ for
-    /// `penalty`.
+    /// Stiffness (m,) of each contact point on the piece `piece(i)` of its law, in series with the augmentation
+    /// compliance σ for `penalty`.
     pub(super) fn slopes(&self, points: &Points, piece: impl Fn(usize) -> Piece, penalty: f64) -> Vec<f64> {
         let series = self.series(points, penalty);
         (0..points.len()).map(|i| piece(i).in_series(series[i])).collect()

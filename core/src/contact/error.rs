@@ -14,7 +14,7 @@ pub enum SolveError {
     Unsolved,
     /// The callback cancelled the solve.
     Cancelled,
-    /// The call needs condensed contact points, but the plate is factored for the Newton method.
+    /// The call needs condensed contact points, but K is factored for the Newton method.
     NotCondensed,
     /// The call needs the Newton method, but the plate is condensed onto its contact points.
     Condensed,
@@ -63,7 +63,7 @@ impl From<OutOfMemory> for SolveError {
 }
 
 impl From<LcpError> for SolveError {
-    /// If an LCP has entries that are not finite, its contact state is singular.
+    /// An LCP with entries that are not finite comes from a singular contact state.
     fn from(error: LcpError) -> Self {
         match error {
             LcpError::OutOfMemory => Self::Factor(FactorError::OutOfMemory),
@@ -83,7 +83,8 @@ impl SolveError {
         }
     }
 
-    /// Whether the load causes the error. Otherwise memory or an argument of the caller causes it.
+    /// Whether this load has no solution, while other loads may have one. All other errors are lack of memory, wrong
+    /// arguments or cancellation.
     pub(super) fn is_of_load(self) -> bool {
         matches!(self, Self::NoEquilibrium | Self::Unsolved)
     }

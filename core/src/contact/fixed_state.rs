@@ -10,7 +10,7 @@ use super::residual::Residual;
 use super::solution::ContactSolution;
 use super::tolerances;
 
-/// Makes the solver of the linear equations of fixed contact states for the backend of the problem.
+/// Makes the solver of the linear equations of a fixed contact state that belongs to the backend of the problem.
 pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     match &problem.backend {
         Backend::Condensed { interface, .. } => Box::new(Condensed::new(problem, interface)),
@@ -20,8 +20,8 @@ pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     }
 }
 
-/// Solves one load on the contact state `pieces` (m,), starting from `start` if present. Points may be beyond the
-/// bounds of their pieces. Forces far below `least` count as rounding.
+/// Solves one load on the contact state `pieces` (m,), starting from the solution `start` if it is given. Points of the
+/// result may be beyond the bounds of their pieces of the laws. Forces far below `least` count as rounding.
 pub(super) fn solve_on(
     problem: &ContactProblem,
     kkt: &mut dyn Kkt,

@@ -6,7 +6,8 @@
 
 use std::fmt;
 
-/// Relative tolerance for a line through two vertices that passes through the origin.
+/// The travel at which a piece has no force is a difference of two terms. Below this, relative to one of them, it
+/// counts as zero.
 const DRAWN: f64 = 1e-12;
 
 /// The law of a contact point: a nondecreasing polyline of force r over travel s.
@@ -27,7 +28,7 @@ pub struct Graph {
 
 /// The line of a piece: r − `force` = `slope` (s − `travel`), or s = `travel` where the slope is infinite. (`travel`,
 /// `force`) is the point of the piece with r = 0, if the piece has such a point. Small forces then keep their digits
-/// beside a large limit.
+/// even if the law has a large limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     pub travel: f64,
@@ -51,8 +52,8 @@ pub enum GraphError {
 impl fmt::Display for GraphError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoVertex => write!(f, "a law needs a vertex"),
-            Self::NotFinite => write!(f, "a law's vertices must be finite, and its slopes numbers"),
+            Self::NoVertex => write!(f, "a law needs at least one vertex"),
+            Self::NotFinite => write!(f, "a law's vertices must be finite, and its slopes must not be NaN"),
             Self::Falls(vertex) => write!(f, "a law must not fall, but it does at vertex {vertex}"),
             Self::NegativeSlope => write!(f, "a law's slopes must not be negative"),
             Self::TooManyPieces => write!(f, "a law has at most {} pieces", u8::MAX),
@@ -106,8 +107,8 @@ impl Graph {
                 return Piece { travel, force, slope };
             }
             let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
-                // Each of the two travels is a fraction of its vertex, so that vertices symmetric about the origin give
-                // exactly zero.
+                // The travel without force is `base` − `back`, each a multiple of the travel of one vertex. So it is
+                // exactly zero for vertices symmetric about the origin.
                 Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
                 None => (travel, force / slope),
             };
@@ -164,7 +165,7 @@ impl Graph {
 }
 
 impl Piece {
-    /// Whether the slope is positive, so that the force depends on the travel.
+    /// Whether the slope of the piece is positive, so that the force depends on the travel.
     pub fn holds(self) -> bool {
         self.slope > 0.0
     }

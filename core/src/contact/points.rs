@@ -11,7 +11,7 @@ use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The elements whose dofs a row of G has.
+/// The elements on whose dofs a row of G has coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Over {
     One(u32),
@@ -21,7 +21,7 @@ enum Over {
 }
 
 /// Contact points in the caller's order. Point i has the travel s_i = (g_i·u − shift_i)/unit_i and the reaction r_i =
-/// weight_i · graph_i(s_i), with g_i row i of G and Ku + Gᵀr = f.
+/// weight_i · graph_i(s_i), with row g_i of G, its law graph_i, and Ku + Gᵀr = f.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     start: Vec<usize>,
@@ -30,25 +30,25 @@ pub struct Points {
     over: Vec<Over>,
     /// Whether each row of G has deflection dofs only.
     deflects: Vec<bool>,
-    /// The pairs of elements that a row of G connects, and the index of each pair in this list.
+    /// The pairs of elements that rows of G connect, and the index of each pair in this list.
     pairs: Vec<[u32; 2]>,
     pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
     /// Displacement g·u (m,) at which s = 0: gap plus settlement, called g in docs/theory.md.
     pub shift: Vec<f64>,
-    /// Force scale F₀ (m,): force per unit force of the graph, which is an area, a length or a stiffness.
+    /// Force scale F₀ (m,): reaction per unit force of the law, which is an area, a length or a stiffness.
     pub weight: Vec<f64>,
-    /// Travel scale d (m,): displacement per unit travel of the graph. It differs from 1 where a graph serves several
-    /// laws that differ only by their limits.
+    /// Travel scale d (m,): displacement per unit travel of the law. It differs from 1 where points whose laws differ
+    /// only by their limits share one law in units of the limit.
     pub unit: Vec<f64>,
-    /// Lever arm (m,) of points whose reaction is a couple, otherwise 1. A reaction divided by `arm` is a force; a
-    /// travel times `arm` is a length.
+    /// Lever arm (m,) of points whose reaction is a couple, 1 at all other points. A reaction divided by `arm` is a
+    /// force; a travel times `arm` is a length.
     pub arm: Vec<f64>,
 }
 
-/// State of a point: its piece, its reaction, and its gap, which is the travel to the reference vertex of a horizontal
-/// piece.
+/// State of a contact point: its piece of the law, its reaction, and its gap. The gap is the travel to the reference
+/// vertex of a horizontal piece, 0 on other pieces.
 #[derive(Clone, Copy)]
 pub(super) struct PointState {
     pub(super) piece: u8,
@@ -68,7 +68,7 @@ pub struct PointLaws {
 }
 
 impl Points {
-    /// Makes m contact points on the m rows of a table.
+    /// Makes m contact points, one for each row of G in the table `rows`.
     pub fn on_rows(plate: &Plate, rows: &Rows, laws: PointLaws) -> Result<Self, SolveError> {
         let PointLaws { graphs, graph, shift, weight, unit } = laws;
         require_length("the laws of points", graph.len(), rows.len())?;
@@ -118,7 +118,7 @@ impl Points {
         self.graphs.len() as u32 - 1
     }
 
-    /// Appends a point. `row` has the dofs of its row of G with their coefficients, each dof once.
+    /// Appends a contact point. `row` has the dofs of its row of G with their coefficients, each dof once.
     pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
         if self.start.is_empty() {
             self.start.push(0);
@@ -137,7 +137,7 @@ impl Points {
         self.unit.push(1.0);
     }
 
-    /// Appends a point whose row of G is row i of a table.
+    /// Appends a contact point whose row of G is row i of the table `rows`.
     pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
         self.push(rows.entries(plate, i), graph, shift, weight);
         let over = match rows.pair(i) {
@@ -155,7 +155,7 @@ impl Points {
         })
     }
 
-    /// Whether both lists have the same rows of G.
+    /// Whether both lists of contact points have the same rows of G.
     pub(super) fn has_rows_of(&self, other: &Self) -> bool {
         self.start == other.start
             && self.dof == other.dof
@@ -164,7 +164,7 @@ impl Points {
             && self.pairs == other.pairs
     }
 
-    /// The pairs of elements that a row of G connects.
+    /// The pairs of elements that rows of G connect.
     pub(super) fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
     }
@@ -178,7 +178,7 @@ impl Points {
         }
     }
 
-    /// Sets the lever arm of the rows that have rotation dofs only, whose reactions are couples.
+    /// Sets `arm` of the points whose rows have rotation dofs only, so that their reactions are couples.
     pub(super) fn set_arm(&mut self, arm: f64) {
         for i in 0..self.len() {
             let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
@@ -213,7 +213,7 @@ impl Points {
         (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
     }
 
-    /// Gu − `from` (m,), summed in double-double.
+    /// Travels Gu − `from` (m,) of the contact points, summed in double-double.
     pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
@@ -247,22 +247,23 @@ impl Points {
         &self.graphs[self.graph[i] as usize]
     }
 
-    /// The line of piece `number` of point i, as reaction over the displacement g·u.
+    /// The line of piece `number` of the law of point i: reaction over displacement g·u.
     pub fn piece(&self, i: usize, number: u8) -> Piece {
         let Piece { travel, force, slope } = self.graph(i).piece(number);
         let (weight, unit) = (self.weight[i], self.unit[i]);
         Piece { travel: self.shift[i] + unit * travel, force: weight * force, slope: weight / unit * slope }
     }
 
-    /// Lower and upper end [displacement g·u, reaction] of piece `number` of point i; `None` where the piece is
-    /// unbounded.
+    /// Lower and upper end [displacement g·u, reaction] of piece `number` of the law of point i; `None` where the piece
+    /// is unbounded.
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
         let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
-    /// Distance of a point from the lower or upper end of its piece, positive inside the piece. The distance is a force
-    /// if the force depends on the travel on this piece, otherwise a travel. `None` where the piece is unbounded.
+    /// Distance of a point from the lower or upper end of its piece of the law, positive inside the piece. The distance
+    /// is a force if the force depends on the travel on this piece, otherwise a travel. `None` where the piece is
+    /// unbounded.
     pub(super) fn signed_distance(&self, i: usize, state: PointState, is_upper: bool) -> Option<f64> {
         let piece = self.piece(i, state.piece);
         let end = self.ends(i, state.piece)[usize::from(is_upper)]?;
@@ -273,7 +274,8 @@ impl Points {
         Some(if is_upper { -above } else { above })
     }
 
-    /// Number of the piece of point i at the augmented travel s + σr, with s = g·u − `shift` and σ = `compliance`.
+    /// Number of the piece of the law of point i at the augmented travel s + σr, with s = g·u − `shift` and σ =
+    /// `compliance`.
     pub fn piece_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> u8 {
         self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
     }
@@ -286,30 +288,31 @@ impl Points {
         (weight * force, weight / unit * slope)
     }
 
-    /// The line of the steepest piece of point i.
+    /// The line of the steepest piece of the law of point i.
     pub fn steepest(&self, i: usize) -> Piece {
         self.piece(i, self.graph(i).steepest())
     }
 
-    /// For each point (m,), whether its force depends on its travel on its piece in `pieces`.
+    /// For each point (m,), whether its force depends on its travel on the piece of its law that `pieces` gives.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// For each point (m,), whether it can have a force on its piece in `pieces`. Open points have none.
+    /// For each point (m,), whether it can have a force on the piece of its law that `pieces` gives; false at open
+    /// points.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
-    /// For each point (m,), its first piece on which the force depends on the travel if `holds` is true, or does not
-    /// depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
+    /// For each point (m,), the first piece of its law on which the force depends on the travel if `holds` is true, or
+    /// does not depend on the travel if `holds` is false. Piece 0 for a point without such a piece.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
     }
 
-    /// Piece 0 (m,) for each point. On this piece a one-sided point is open.
+    /// The first contact state: every point (m,) is on piece 0 of its law, where a one-sided point is open.
     pub fn first_pieces(&self) -> Vec<u8> {
         vec![0; self.len()]
     }
@@ -332,13 +335,14 @@ impl Points {
         self.deflects[i] && !matches!(self.over[i], Over::Several)
     }
 
-    /// Least value of `of_element(e)` over all elements e of the rows of G.
+    /// The smallest value of `of_element(e)` among all elements e on which rows of G act.
     pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
         let least = |i: usize| self.elements(i).iter().map(|&e| of_element(e as usize)).fold(f64::INFINITY, f64::min);
         (0..self.len()).into_par_iter().with_min_len(4096).map(least).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Springs of `stiffness` (m,) at those points whose springs are assembled with the element matrices.
+    /// Element matrices of springs with the stiffness `stiffness` (m,) at the contact points, except those that need
+    /// multiplier rows.
     pub fn bedding(&self, plate: &Plate, stiffness: &[f64]) -> Bedding<'_> {
         let mut bedding = Bedding { pairs: &self.pairs, ..Bedding::default() };
         if stiffness.iter().all(|&k| k == 0.0) {

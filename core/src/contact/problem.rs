@@ -19,7 +19,7 @@ use crate::rows::Springs;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Seconds taken to order, to factor and to condense.
+/// Seconds that the ordering of the columns, the factorization and the condensation took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     pub order: f64,
@@ -81,13 +81,13 @@ impl ContactProblem {
         Self::posed(plate, on, method, room, None)
     }
 
-    /// A problem of the same plate and method on other supports. The ordering, the factor and the condensation of this
-    /// problem are shared as far as they would be the same, so that every bit of a solution is that of a new problem.
+    /// A problem of the same plate and method on other supports. Ordering, factor and condensation of this problem are
+    /// shared if the new problem would have the same. The solutions have the same bits as without sharing.
     pub fn on_other_supports(&self, on: Supported, room: usize) -> Result<Self, SolveError> {
         Self::posed(self.plate.clone(), on, self.method(), room, Some(self))
     }
 
-    /// The method for which the plate is factored.
+    /// The method for which K is factored.
     pub fn method(&self) -> Method {
         match &self.backend {
             Backend::Condensed { .. } => Method::Lemke,
@@ -179,7 +179,7 @@ impl ContactProblem {
         Ok(moved)
     }
 
-    /// Displacements K̃⁻¹ f (3n,) under a nodal load f, with the factored matrix K̃.
+    /// Displacements K̃⁻¹ f (3n,) under a nodal load f; K̃ is the factored matrix.
     pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, SolveError> {
         require_length("the load", load.len(), self.plate.dof_count())?;
         Ok(self.base.solve(load)?)
@@ -190,7 +190,8 @@ impl ContactProblem {
         (self.base.factor.entries(), self.base.factor.flops())
     }
 
-    /// The plate condensed onto its contact points; an error if it is factored for another method than Lemke's.
+    /// The plate condensed onto its contact points; an error if the stiffness matrix is factored for another method
+    /// than Lemke's.
     pub(super) fn condensed(&self) -> Result<&Interface, SolveError> {
         match &self.backend {
             Backend::Condensed { interface, .. } => Ok(interface),
@@ -223,7 +224,7 @@ impl ContactProblem {
     }
 
     /// The rigid motions of the plates that are nearest to the prescribed values. The second pass removes the rounding
-    /// of the first pass, so that prescribed values minus rigid motions are strain only.
+    /// of the first pass; prescribed values minus rigid motions are then strain only.
     fn carried_along(&self, held_value: &[f64]) -> Displacement {
         let mut displacement = Displacement::zeros(self.plate.dof_count());
         for _ in 0..2 {
@@ -262,8 +263,8 @@ impl ContactProblem {
     }
 }
 
-/// Relative diagonal shift for a plate that only springs hold; `softest` is the softest projected stiffness. The shift
-/// is 0 if `softest` is well above the rounding of the factor. Iterative refinement removes the effect of the shift.
+/// Relative increase of the diagonal of K for a plate that only springs hold; `softest` is the softest projected
+/// stiffness. It is 0 if `softest` is well above the rounding of the factor. Iterative refinement removes its effect.
 fn needed_shift(plate: &Plate, softest: f64) -> f64 {
     let diagonal = |e: usize| (0..8).map(|node| plate.element_stiffness(e)[packed(3 * node, 3 * node)]).sum::<f64>();
     let all: f64 = (0..plate.elements().len()).map(diagonal).sum();

@@ -14,18 +14,18 @@ use crate::cholesky::FactorError;
 
 /// Largest number of corrections of one solution.
 const CORRECTIONS: usize = 80;
-/// Number of most recent directions whose joint reduction of the residual decides whether refinement continues.
+/// Refinement continues or ends by the joint reduction of the residual over this number of most recent directions.
 const LAST: usize = 10;
 
-/// A direction of conjugate residuals, and the change of the scaled residual along it. The changes of all directions
-/// are orthonormal.
+/// A direction of generalized conjugate residuals, and the change of the scaled residual along it. The changes of all
+/// directions are orthonormal.
 struct Taken {
     direction: Correction,
     change: Vec<f64>,
 }
 
-/// The correction that removes a residual. If the solver has rigid motions, they are added first; the rest is solved
-/// for the residual after these motions. `None` if the contact state leaves a rigid motion free.
+/// The correction that removes a residual. If the solver separates rigid motions, these are added first, and the rest
+/// is solved for the residual that remains. `None` if the contact state leaves a rigid motion free.
 pub(super) fn correction(
     problem: &ContactProblem,
     load: &[f64],

@@ -19,7 +19,7 @@ pub(super) struct Residual {
     /// Residual of the laws s₀ − g·u + (r − r₀)/k (m,): distance in travel from each point to the line of its piece.
     /// (s₀, r₀) is a point on this line and k its slope.
     pub(super) violation: Vec<f64>,
-    /// Largest magnitude in `imbalance`; a couple counts as couple/arm.
+    /// Largest magnitude of the nodal forces in `imbalance`; couples are divided by the element size.
     pub(super) worst: f64,
 }
 
@@ -51,8 +51,8 @@ impl Residual {
         forces.chain(holding.map(|i| self.violation[i] / sizes.travel[i])).collect()
     }
 
-    /// Whether the residual of a solution is small enough. If no force acts, every finite residual is accepted. The
-    /// reference force is at least `least`.
+    /// Whether the residual of a solution is small enough to accept the solution. If no force acts, every finite
+    /// residual is accepted. The reference force is at least `least`.
     pub(super) fn is_solved(
         &self,
         problem: &ContactProblem,
@@ -83,7 +83,7 @@ impl ContactSolution {
         if residual.is_solved(problem, load, &self, least) { self.require_finite() } else { Err(SolveError::Unsolved) }
     }
 
-    /// Sets the gaps of points on horizontal pieces from the residuals of their laws; other gaps become 0.
+    /// Sets the gaps of points on horizontal pieces to the residuals of their laws; other gaps become 0.
     pub(super) fn measure_gaps(&mut self, points: &Points, residual: &Residual) {
         for (i, gap) in self.gap.iter_mut().enumerate() {
             *gap = if points.piece(i, self.piece[i]).holds() { 0.0 } else { residual.violation[i] };
@@ -102,7 +102,8 @@ impl Sizes {
     pub(super) fn of(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> Self {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
         let force = match acting(problem, load, solution, least) {
-            // Without load and reactions, the reference force is the magnitude of the terms of the internal forces.
+            // Without load and reactions, the reference force is the largest sum of the magnitudes of the internal
+            // forces at a node.
             0.0 => or_one(rounding(problem, solution) / f64::EPSILON),
             force => force,
         };
@@ -126,7 +127,7 @@ impl ContactProblem {
     }
 }
 
-/// For each point (m,), s₀ − g·u + (r − r₀)/k on its piece in `pieces`, see [`Residual::violation`].
+/// For each point (m,), s₀ − g·u + (r − r₀)/k on the piece of its law that `pieces` gives, see [`Residual::violation`].
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
@@ -138,7 +139,7 @@ fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]
     travel
 }
 
-/// Largest magnitude of the nodal forces `load` and of the reactions; a couple counts as couple/arm.
+/// Largest magnitude of the nodal forces `load` and of the reactions; couples are divided by a reference length.
 pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[f64]) -> f64 {
     let forces = reaction.iter().zip(&problem.points.arm).map(|(reaction, arm)| reaction.abs() / arm);
     forces.fold(problem.scale.largest(load), f64::max)
@@ -159,15 +160,15 @@ fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, le
     force.max(problem.scale.stiffness * farthest)
 }
 
-/// Reference travel (m,) of each point: the largest deflection of a node, or the gap of the point if that is larger. A
-/// point with a large gap does not change the reference of other points.
+/// Reference travel (m,) of each contact point: the largest deflection of a node, or the magnitude of gap plus
+/// settlement of the point if that is larger. A point with a large gap does not change the reference of other points.
 pub(super) fn lengths(problem: &ContactProblem, solution: &ContactSolution) -> Vec<f64> {
     let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
     let shifts = problem.points.shift.iter().zip(&problem.points.arm);
     shifts.map(|(shift, arm)| shift.abs().max(deflection / arm)).collect()
 }
 
-/// Smallest reference length: `NIL` times the sum of the forces, divided by the stiffness D/a² of the plate. It matters
+/// Smallest reference length: `NIL` times the sum of the forces, divided by the stiffness D/a² of the plate. It decides
 /// only if the plate hardly deflects.
 pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     let springs = &problem.springs;
@@ -175,7 +176,7 @@ pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     tolerances::NIL * (problem.scale.sum(load) + settled) / problem.scale.stiffness
 }
 
-/// Rounding error of the largest internal nodal force; a couple counts as couple/arm.
+/// Rounding error of the largest internal nodal force; couples are divided by the element size.
 pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     let mut internal = internal_magnitudes(&problem.plate, &solution.displacement);
     problem.release_held(&mut internal);

@@ -34,9 +34,9 @@ const TOGETHER: usize = 8;
 /// Largest number of corrections of each response.
 const CORRECTIONS: usize = 8;
 
-/// A response during its refinement.
+/// A response while it is refined.
 struct Draft<'a> {
-    /// Nodal forces (3n,) that act (`force`), and the reference force of the residual (`acting`).
+    /// The acting nodal forces `force` (3n,), and `acting`, the reference force for the residual.
     force: Vec<f64>,
     acting: f64,
     springs: &'a Springs,
@@ -59,7 +59,8 @@ struct Responses<'a> {
 }
 
 impl ContactProblem {
-    /// The response without load: held dofs have the values `held_value` (3n,), and springs are at their bases.
+    /// The response without load: held dofs have the values `held_value` (3n,), and bases of springs their prescribed
+    /// displacements.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, SolveError> {
         require_length("held_value", held_value.len(), self.plate.dof_count())?;
         let begin = |_, draft: &mut Draft| {
@@ -68,8 +69,8 @@ impl ContactProblem {
         Ok(self.responder()?.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
-    /// The response to each nodal load (3n,), with held dofs and bases of springs at zero. `watch` is called repeatedly
-    /// and cancels by returning false.
+    /// The response to each nodal load (3n,), with zero displacement at held dofs and bases of springs. `watch` is
+    /// called repeatedly and cancels by returning false.
     pub fn load_responses(
         &self,
         loads: &[Vec<f64>],
@@ -86,8 +87,8 @@ impl ContactProblem {
         responder.responses(loads.len(), false, begin, watch)
     }
 
-    /// The response to each contact point in the range `points`. `watch` is called as in
-    /// [`ContactProblem::load_responses`].
+    /// The response to each contact point in the range `points`. `watch` is called repeatedly and cancels by returning
+    /// false.
     pub fn point_responses(
         &self,
         points: std::ops::Range<usize>,
@@ -113,13 +114,14 @@ impl ContactProblem {
 }
 
 impl Responses<'_> {
-    /// Whether the factors x are displacements of the points, which are then prescribed. Otherwise they are forces.
+    /// Whether the factors x are displacements of the contact points, which each response then prescribes. Otherwise
+    /// they are forces.
     fn imposed(&self) -> bool {
         self.interface.better_form() == Form::Stiffness
     }
 
-    /// Makes `count` responses and refines them; `begin(i, draft)` sets the load of response i. The bases of springs
-    /// have their values if `on_bases` is true, otherwise zero.
+    /// Makes `count` responses and refines them; `begin(i, draft)` sets the load of response i. If `on_bases` is true,
+    /// the bases of springs have their prescribed displacements, otherwise zero.
     fn responses(
         &self,
         count: usize,

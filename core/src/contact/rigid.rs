@@ -1,4 +1,4 @@
-//! Rigid motions of plates at their dofs, and small linear systems in double-double.
+//! Rigid motions of plates as nodal vectors, and small linear systems in double-double.
 
 use super::scale::Scale;
 use super::tolerances;
@@ -23,8 +23,8 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// For each component, the rigid motion (w, θx, θy at the centre) that is nearest to the prescribed values of its held
-/// dofs in least squares. `None` if all these values are zero.
+/// For each connected component of the mesh, the rigid motion (w, θx, θy at the centre) that is nearest to the
+/// prescribed values of its held dofs in least squares. `None` if all these values are zero.
 pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> Option<Vec<[f64; 3]>> {
     if (0..held.len()).all(|dof| !held[dof] || value[dof] == 0.0) {
         return None;
@@ -48,11 +48,11 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// Result of an elimination of a symmetric matrix with pivots chosen by size.
+/// Solution of a symmetric system of equations by elimination, with pivots chosen by size.
 pub(super) struct Eliminated {
-    /// Unknowns (n,) of the equations; unconstrained ones are zero.
+    /// Unknowns (n,) of the equations; unknowns that no equation determines are zero.
     pub(super) unknown: Vec<f64>,
-    /// Smallest pivot that counts as nonzero.
+    /// Smallest pivot of the elimination that does not count as zero.
     pub(super) least: f64,
     /// Largest magnitude of the right-hand side in the equations without a pivot. It is 0 if the equations have a
     /// solution.

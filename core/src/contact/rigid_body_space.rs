@@ -13,7 +13,7 @@ use crate::plate::Plate;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// Number of contact points in one parallel chunk.
+/// Number of contact points that one parallel task handles.
 const CHUNK: usize = 8192;
 
 /// The rigid motions R of all plates without a held dof: three for each plate, n in total. Lengths in R are divided by
@@ -22,8 +22,8 @@ pub(super) struct RigidBodySpace {
     size: f64,
     /// Three nodal vectors: at each dof, the values of the three rigid motions of the plate that has the dof.
     pub(super) nodal: [Vec<f64>; 3],
-    /// For each node, and for each component, the index in R of the first motion of its plate. `None` if the plate has
-    /// a held dof.
+    /// For each node, and for each connected component of the mesh, the index in R of the first motion of its plate.
+    /// `None` if the plate has a held dof.
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
@@ -56,7 +56,7 @@ impl RigidBodySpace {
         Some(rigid_space)
     }
 
-    /// Product (rows, n) of sparse rows with R, row by row.
+    /// Product (rows, n) of sparse rows with the rigid motions R, stored row by row.
     fn arms<R: Iterator<Item = (usize, f64)>>(&self, rows: usize, row: impl Fn(usize) -> R) -> Vec<f64> {
         let mut arms = vec![0.0; self.count * rows];
         for (i, arm) in arms.chunks_exact_mut(self.count).enumerate() {
@@ -68,7 +68,7 @@ impl RigidBodySpace {
         arms
     }
 
-    /// Row i (n,) of GR for the contact points: displacement of point i in each of the n rigid motions.
+    /// Row i (n,) of GR for the contact points: displacement of point i in each of the n rigid motions R.
     pub(super) fn of_point(&self, i: usize) -> &[f64] {
         &self.points[self.count * i..self.count * (i + 1)]
     }
@@ -121,7 +121,8 @@ impl RigidBodySpace {
         sums
     }
 
-    /// The rigid motion (w, θx, θy at the centre) of each component, from the amounts (n,) of the motions R.
+    /// The rigid motion (w, θx, θy at the centre) of each connected component of the mesh, from the amounts (n,) of the
+    /// motions R.
     pub(super) fn motion(&self, amount: &[f64]) -> Vec<[f64; 3]> {
         let of = |first: usize| [amount[first], amount[first + 1] / self.size, amount[first + 2] / self.size];
         self.of_component.iter().map(|first| first.map_or([0.0; 3], of)).collect()

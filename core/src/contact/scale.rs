@@ -1,9 +1,9 @@
-//! Reference forces and lengths, computed from the plate's dimensions and rigidity. Comparisons by them do not depend
-//! on units or numbering.
+//! Reference forces and lengths, computed from the plate's dimensions and rigidity. Comparisons relative to them do not
+//! depend on units or numbering.
 
 use crate::plate::Plate;
 
-/// Reference sizes of all plates of a problem together.
+/// Reference sizes for all plates of a problem together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Centre of the bounding box of the plates (`centre`), and its longer side a (`size`).
@@ -31,19 +31,19 @@ impl Scale {
         Self { centre, size, arm, stiffness: rigidity / (size * size) }
     }
 
-    /// Largest magnitude of nodal forces (3n,); a couple counts as couple/arm.
+    /// Largest magnitude of nodal forces (3n,); couples are divided by the element size.
     pub(super) fn largest(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let of_node = |f: &[f64]| f[0].abs().max(of_couples * f[1].abs().max(f[2].abs()));
         nodal.chunks_exact(3).fold(0.0, |most: f64, f| most.max(of_node(f)))
     }
 
-    /// Sum of the magnitudes of nodal forces (3n,); a couple counts as couple/size.
+    /// Sum of the magnitudes of nodal forces (3n,); couples are divided by the plate size.
     pub(super) fn sum(&self, nodal: &[f64]) -> f64 {
         nodal.chunks_exact(3).map(|f| f[0].abs() + (f[1].abs() + f[2].abs()) / self.size).sum()
     }
 
-    /// Euclidean norm of nodal forces (3n,); a couple counts as couple/arm.
+    /// Euclidean norm of nodal forces (3n,); couples are divided by the element size.
     pub(super) fn length(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);

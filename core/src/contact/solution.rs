@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
-    /// Number of contact points that changed their piece in this step.
+    /// Number of contact points that changed their piece of the law in this step.
     pub changing: usize,
     /// Newton method: largest nodal force of the residual, divided by the largest force. Lemke's algorithm: artificial
     /// variable, divided by its first value.
@@ -26,7 +26,8 @@ pub struct ContactSolution {
     pub displacement: Displacement,
     /// Reaction r (m,) of each contact point, with Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
-    /// Travel (m,) from each point on a horizontal piece to the reference vertex of this piece; 0 on other pieces.
+    /// Travel (m,) from each point on a horizontal piece of its law to the reference vertex of this piece; 0 on other
+    /// pieces.
     pub gap: Vec<f64>,
     /// For each point (m,), the number of the piece of its law on which the point is.
     pub piece: Vec<u8>,
@@ -53,8 +54,8 @@ impl ContactSolution {
         if numbers.all(|value| value.is_finite()) { Ok(self) } else { Err(SolveError::Unsolved) }
     }
 
-    /// Sets the contact state `pieces` (m,). The reaction of a point on a horizontal piece becomes the force of this
-    /// piece.
+    /// Sets the contact state `pieces` (m,). The reaction of a point on a horizontal piece of its law becomes the force
+    /// of this piece.
     pub(super) fn put_on(&mut self, points: &Points, pieces: Vec<u8>) {
         for (i, reaction) in self.reaction.iter_mut().enumerate() {
             let piece = points.piece(i, pieces[i]);
@@ -69,7 +70,7 @@ impl ContactSolution {
         PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
-    /// Adds `part` times the difference to `other` to displacements, reactions and gaps.
+    /// Moves displacements, reactions and gaps by the fraction `part` towards those of the solution `other`.
     pub(super) fn towards(&mut self, other: &Self, part: f64) {
         for i in 0..self.displacement.hi.len() {
             let (from, to) = (self.displacement.at(i), other.displacement.at(i));
@@ -82,7 +83,7 @@ impl ContactSolution {
     }
 }
 
-/// Indices of the points whose pieces differ between two contact states.
+/// Indices of the points that are on different pieces of their laws in two contact states.
 pub(super) fn differing(one: &[u8], other: &[u8]) -> Vec<usize> {
     (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

@@ -21,7 +21,7 @@ pub struct Settings {
 }
 
 impl ContactProblem {
-    /// Solves one load by the method for which the plate is factored.
+    /// Solves one load by the method for which K is factored.
     ///
     /// `start` is the solution of another load. Lemke's algorithm tries its contact state first; the Newton method
     /// starts from its displacements and reactions.
@@ -45,7 +45,8 @@ impl ContactProblem {
         }
     }
 
-    /// Solves one load on a fixed contact state `pieces` (m,). Points may be beyond the bounds of their pieces.
+    /// Solves one load on a fixed contact state `pieces` (m,). Points of the solution may be beyond the bounds of their
+    /// pieces of the laws.
     pub fn solve_on(&self, load: &Load, pieces: &[u8]) -> Result<ContactSolution, SolveError> {
         load.require_lengths(self)?;
         require_length("pieces", pieces.len(), self.points.len())?;
@@ -58,7 +59,7 @@ impl ContactProblem {
 
     /// Residuals of a solution, without a call of a solver: residual nodal forces (3n,) divided by the largest force,
     /// and violations of the laws (m,). A violation in force is divided by the largest force (load, reaction, or the
-    /// force that bends the plate), a violation in travel by the largest travel.
+    /// force that bends the plate), a violation in travel by the largest travel or gap.
     pub fn violations(&self, load: &[f64], solution: &ContactSolution) -> (Vec<f64>, Vec<f64>) {
         let residual = Residual::of(self, load, solution);
         let travel = self.points.travel_from(&vec![0.0; self.points.len()], &solution.displacement);
@@ -80,8 +81,8 @@ impl ContactProblem {
         (residual.imbalance.iter().map(|f| f / force).collect(), points)
     }
 
-    /// Solves one load by the Newton method and factors its contact state, for warm starts. `None` if this contact
-    /// state leaves a rigid motion free.
+    /// Solves one load by the Newton method and factors K with the springs of its contact state, for warm starts of
+    /// other loads. `None` if this contact state leaves a rigid motion free.
     pub fn solve_and_factor(&self, load: &Load, watch: &mut Watch<'_>) -> Result<Option<ContactSolution>, SolveError> {
         load.require_lengths(self)?;
         match &self.backend {
@@ -112,7 +113,8 @@ impl ContactProblem {
         }
     }
 
-    /// The first LCP w = Mz + q of [`ContactProblem::solve`] for condensed points: the template with M, and q (k,).
+    /// The first LCP w = Mz + q that [`ContactProblem::solve`] poses for condensed points: the template with M, and q
+    /// (k,).
     pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<(&LcpTemplate, Vec<f64>), SolveError> {
         load.require_lengths(self)?;
         let interface = self.condensed()?;

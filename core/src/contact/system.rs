@@ -11,7 +11,8 @@ use crate::rows::Springs;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-/// The source of a multiplier row: a spring, a contact point, or a shear force of a thin element.
+/// The source of a multiplier row. Its unknown is the force of a spring, of a contact point, or of shear in a thin
+/// element.
 #[derive(Clone, Copy)]
 enum RowKind {
     Spring(usize),
@@ -27,9 +28,10 @@ enum RowKind {
 pub(super) struct KktPattern {
     pub(super) numbering: Numbering,
     kinds: Vec<RowKind>,
-    /// For each contact point, whether its row of G is a multiplier row.
+    /// For each contact point, whether its force is an unknown of the factor (a multiplier row).
     is_multiplier_row: Vec<bool>,
-    /// All multiplier rows, each with infinite compliance and so without force.
+    /// All multiplier rows, each with infinite compliance, so that it has no force; each factorization sets the
+    /// compliances.
     absent: Vec<MultiplierRow>,
     /// The elastic supports (springs) whose rows have dofs of one or two elements.
     narrow: Springs,
@@ -46,8 +48,8 @@ pub(super) struct System {
 }
 
 impl KktPattern {
-    /// Makes the pattern. Dofs marked `trailing` (3n,) get the last columns. `has_multiplier(i)` is true if contact
-    /// point i has a multiplier row.
+    /// Makes the pattern. Dofs marked `trailing` (3n,) get the last columns of the factor. `has_multiplier(i)` is true
+    /// if contact point i has a multiplier row.
     pub(super) fn new(
         plate: &Plate,
         held: &[bool],
@@ -130,8 +132,8 @@ impl KktPattern {
         };
         analysis.require_room(room)?;
         let factor = analysis.factorize(&matrix)?;
-        // If a contact point has no spring, the supports may leave a rigid motion free. Elements q8r have zero-energy
-        // modes.
+        // A contact point without a spring may leave a rigid motion free, and elements q8r have zero-energy modes. In
+        // these cases the smallest pivot decides whether the matrix is regular.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
@@ -141,17 +143,17 @@ impl KktPattern {
         Ok(System { factor, carried, pattern: self.clone() })
     }
 
-    /// Whether the contact points with a multiplier row are those for which `has_multiplier(i)` is true.
+    /// Whether exactly those contact points have a multiplier row for which `has_multiplier(i)` is true.
     pub(super) fn has_multiplier_rows(&self, has_multiplier: impl Fn(usize) -> bool) -> bool {
         self.is_multiplier_row.iter().enumerate().all(|(i, &own)| own == has_multiplier(i))
     }
 
-    /// Gathers a nodal load (3n,) by column of the factor; held dofs have no column.
+    /// Arranges a nodal load (3n,) by column of the factor; held dofs have no column.
     pub(super) fn gather(&self, load: &[f64]) -> Vec<f64> {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()
     }
 
-    /// Scatters displacements by column of the factor to a nodal vector (3n,); held dofs are zero.
+    /// Arranges displacements by column of the factor as nodal vector (3n,); held dofs are zero.
     pub(super) fn scatter(&self, ordered: &[f64], dofs: usize) -> Vec<f64> {
         let mut out = vec![0.0; dofs];
         for (&dof, &value) in self.numbering.dof.iter().zip(ordered).filter(|(dof, _)| **dof < dofs) {

@@ -1,5 +1,4 @@
-//! Every tolerance of the contact problem, with the quantity that it is relative to and the reason for its value. ε =
-//! 2.2e-16.
+//! Every tolerance of the contact problem, with its reference quantity and the reason for its value. ε = 2.2e-16.
 //!
 //! Iteration limits are beside their loops. Tolerances of the linear complementarity solvers are in `lcp`.
 
@@ -7,19 +6,19 @@
 /// double-double sum that is rounded to a double has an error of a few ε.
 pub(super) const RESIDUAL: f64 = 1e-15;
 
-/// Relative tolerance for reactions and gaps of the wrong sign, which count as rounding. Reactions are relative to the
-/// largest reaction or to the load, gaps to the largest deflection. 10⁵ ε: the elimination of thin plates amplifies
+/// Relative tolerance for reactions and gaps of the wrong sign: smaller ones are rounding. Reactions are relative to
+/// the largest reaction or to the load, gaps to the largest deflection. 10⁵ ε: the elimination of thin plates amplifies
 /// rounding by 10⁵.
 pub(super) const SIGN: f64 = 1e-11;
 
-/// Largest ratio of successive residual norms at which refinement continues. A correction with a larger ratio gains
-/// less than two bits and is not worth its cost.
+/// Largest ratio of successive residual norms at which refinement continues with single corrections. A correction with
+/// a larger ratio gains less than two bits and is not worth its cost.
 pub(super) const PROGRESS: f64 = 0.25;
 
-/// Largest residual, relative to its reference sizes, of an accepted solution for a fixed contact state.
+/// Largest residual of an accepted solution for a fixed contact state, relative to the reference forces and travels.
 pub(super) const SOLVED: f64 = 1e-9;
 
-/// A larger residual than `SOLVED` is accepted up to this multiple of √(3n) times the rounding of the internal forces.
+/// A residual larger than `SOLVED` is accepted up to this multiple of √(3n) times the rounding of the internal forces.
 /// Such residuals occur in a plate that has not reached its supports yet.
 pub(super) const ROUNDINGS: f64 = 4.0;
 
@@ -34,15 +33,15 @@ pub(super) const NIL: f64 = 1e-6;
 /// unconstrained rigid motion. 10¹⁰ ε²: distances with an error ε give a pivot of about ε².
 pub(super) const HELD: f64 = 1e-22;
 
-/// Largest residual of a response that needs no further correction, relative to the largest nodal force. Sums of
-/// responses are refined again.
+/// Largest residual at which a response to a load case or contact point needs no further correction, relative to the
+/// largest nodal force. Sums of responses are refined again.
 pub(super) const RESPONSE: f64 = 1e-13;
 
 /// Rounding error of a sum, relative to the sum of the magnitudes of its terms.
 pub(super) const SUM: f64 = 4.0 * f64::EPSILON;
 
-/// Compliance in series with rigid points in the saddle-point system, relative to the compliance a²/D of the plate.
-/// About √ε: a smaller compliance loses digits in the factor, a larger one slows refinement.
+/// Compliance in series with rigid points in the saddle-point system, relative to the compliance a²/D of the plate. The
+/// value is about √ε: a smaller compliance loses digits in the factor, a larger one slows refinement.
 pub(super) const COMPLIANCE: f64 = 1e-9;
 
 /// Smallest ratio of a pivot to its diagonal entry in a factor of K. With a smaller ratio K counts as singular: the
@@ -50,29 +49,31 @@ pub(super) const COMPLIANCE: f64 = 1e-9;
 /// of at least 1e-9, slender and soft plates included.
 pub(super) const LOOSE_PIVOT: f64 = 1e-13;
 
-/// Relative increase of the diagonal of K if only springs hold the plate and they are too soft for its factor. It is
-/// several roundings, so that every pivot is positive.
+/// Relative increase of the diagonal of K if only springs hold the plate and they are too soft for its factor. The
+/// value is several roundings, so that every pivot is positive.
 pub(super) const DIAGONAL_SHIFT: f64 = 64.0 * f64::EPSILON;
 
-/// The diagonal is increased if the softest projected stiffness is less than this multiple of the stiffness that the
-/// increase adds. Less than three digits of such a stiffness are above the rounding of the factor.
+/// The diagonal of K is increased if the softest projected stiffness is less than this multiple of the stiffness that
+/// the increase adds. Fewer than three digits of so soft a stiffness are above the rounding of the factor.
 pub(super) const SHIFT_BELOW: f64 = 1e3;
 
 /// Tolerances of the condensation onto the contact points.
 pub(super) mod interface {
-    /// Relative tolerance for a factored stiffness δ equal to the whole stiffness of the point: both have a few
-    /// rounding errors.
+    /// Largest relative difference of the stiffness δ in the factor and the stiffness of a contact point at which they
+    /// count as equal: both have a few rounding errors.
     pub(crate) const ABSORBED: f64 = 1e-12;
 
-    /// Relative tolerance for zero entries of q and M. Reactions are relative to the load, gaps to the largest
-    /// displacement, other entries to the terms of their sums. 10⁴ ε: elimination amplifies rounding by 10⁴.
+    /// Entries of q and M in the LCP below this relative size count as zero. Reactions are relative to the load, gaps
+    /// to the largest displacement, other entries to the terms of their sums. 10⁴ ε: elimination amplifies rounding by
+    /// 10⁴.
     pub(crate) const POSED: f64 = 1e-12;
 
-    /// Rounding of the sum of stiffness times gap over all condensed points, relative to the sum of magnitudes.
+    /// Rounding error of the sum of stiffness times gap over all condensed points, relative to the sum of the
+    /// magnitudes.
     pub(crate) const POSED_SUM: f64 = 1e-14;
 
-    /// Smallest ratio of a diagonal entry of M after the projection to the entry before. An entry with a smaller ratio
-    /// has lost half its digits and counts as zero.
+    /// Smallest ratio of a diagonal entry of M after the projection off the free rigid motions to the same entry before
+    /// it. An entry with a smaller ratio has lost half its digits and counts as zero.
     pub(crate) const PROJECTED: f64 = 1e-6;
 }
 
@@ -82,8 +83,8 @@ pub(super) mod newton {
     /// faster, but residuals lose more digits.
     pub(crate) const STIFFEST: f64 = 1e4;
 
-    /// First penalty divided by (h/element size)². The first penalty is then the ratio of bending to shear stiffness
-    /// for a wave over twenty elements.
+    /// First penalty divided by (thickness/element size)². The first penalty is then the ratio of bending to shear
+    /// stiffness for a wave over twenty elements.
     pub(crate) const LONG_WAVE: f64 = 0.01;
 
     /// Relative tolerance of conjugate gradients while the contact state changes. A rough direction suffices to find
@@ -94,23 +95,23 @@ pub(super) mod newton {
     /// Accurate directions then reduce the number of further steps.
     pub(crate) const FIRM: f64 = 1e-3;
 
-    /// Relative tolerance of conjugate gradients on an unchanged contact state: half the digits. Refinement gives the
-    /// rest.
+    /// Relative tolerance of conjugate gradients on an unchanged contact state: half the digits of a double. Refinement
+    /// gives the other half.
     pub(crate) const TIGHT: f64 = 1e-8;
 
     /// Residual of the Newton method at convergence, relative to the largest force: 500 ε.
     pub(crate) const SETTLED: f64 = 1e-13;
 
-    /// Multipliers are updated although some points still change their piece, if the residual is at most this multiple
-    /// of `SETTLED`.
+    /// Multipliers are updated while some points still change their piece of the law, if the residual is at most this
+    /// multiple of the residual at convergence, `SETTLED`.
     pub(crate) const NEARLY: f64 = 1e3;
 
-    /// If the ratio of successive residuals on an unchanged contact state is larger, rounding prevents further
-    /// progress.
+    /// Largest ratio of successive residuals on an unchanged contact state that counts as progress. A larger ratio
+    /// means that the residual is mostly rounding.
     pub(crate) const SLOW: f64 = 0.8;
 
-    /// Largest relative residual that rounding explains; it occurs in the thinnest plates. If the residual stays
-    /// larger, supports contradict each other.
+    /// Largest residual, relative to the largest force, of a solution that is accepted when the residual stops falling.
+    /// It occurs in the thinnest plates. A larger residual means that supports contradict each other.
     pub(crate) const STALLED: f64 = 1e-3;
 
     /// Largest residual, relative to the largest force, at which multipliers are updated. An update needs equilibrium.
@@ -123,8 +124,8 @@ pub(super) mod newton {
     /// 500 ε: the rounding of the sum of squares.
     pub(crate) const FREE: f64 = 1e-13;
 
-    /// Smallest curvature of the energy, relative to the curvature with the factored matrix, that is computed as a
-    /// difference. The difference then keeps ten digits.
+    /// Smallest ratio of the curvature of the energy to the curvature with the factored matrix at which it is computed
+    /// as a difference. The difference then keeps ten digits. Smaller curvatures are sums of squares.
     pub(crate) const PLAIN: f64 = 1e-6;
 
     /// Stiffness added to unconstrained rigid motions, relative to the sum of all stiffnesses of points and springs. It
@@ -135,64 +136,65 @@ pub(super) mod newton {
     pub(crate) const RESULTANT: f64 = 8.0 * f64::EPSILON;
 }
 
-/// Tolerances of load paths. Reactions are relative to the largest reaction, gaps to the largest deflection or to their
-/// own gap without load.
+/// Tolerances of load paths. Reactions are relative to the largest reaction, gaps to the largest deflection or to the
+/// gap of the same point without load.
 pub(super) mod path {
-    /// Relative tolerance for reactions and gaps of the wrong sign at the ends of a segment, which count as rounding.
-    /// It is a hundred times the tolerance for one solution, since each segment starts from the end of the previous
-    /// one.
+    /// Relative tolerance for reactions and gaps of the wrong sign at the ends of a segment: smaller ones are rounding.
+    /// It is a hundred times the tolerance for a single solution, since each segment starts from the end of the
+    /// previous segment.
     pub(crate) const SIGN: f64 = 1e-9;
 
-    /// Difference in t of events that coincide, relative to a step of t. If t increases by less, the path makes no
-    /// progress.
+    /// Largest difference in t of events that count as one event, relative to a step of t. If t increases by less, the
+    /// path makes no progress.
     pub(crate) const SAME_EVENT: f64 = 1e-9;
 
-    /// Two events of pivoting coincide if the plate moves by less than this between them, relative to the largest
-    /// deflection.
+    /// Two events of pivoting count as one event if the plate moves by less than this between them, relative to the
+    /// largest deflection.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Smallest t that determines the length of a step. Because of rounding an event at t = 0 may have a t of this
-    /// size.
+    /// Smallest t that can be the length of a step. Because of rounding an event at t = 0 may have a t of this size.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
-    /// If the plate moves by its least gap within a smaller t than this, the unit of t is changed. The value is 10⁵
+    /// If the plate moves by its least gap at a smaller t than this, the path changes its unit of t. The value is 10⁵
     /// times [`NO_LOAD`] and [`SAME_EVENT`].
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
-    /// Distances in t beyond an event, relative to a step that doubles the load. If exchanging pieces finds no contact
-    /// state after the event, a solve at these t finds it.
+    /// Distances in t beyond an event, relative to a step that doubles the load. A solve at these t finds the contact
+    /// state after the event if exchanging the pieces of points does not find it.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
-    /// The path jumps if reaction or gap of a point that changes its piece differs by more than this, relative to its
-    /// reference size.
+    /// The path jumps at an event if the reaction or gap of a point that changes its piece of the law changes by more
+    /// than this, relative to its reference size.
     pub(crate) const JUMP: f64 = 1e-9;
 
-    /// Largest difference in t between an event computed from refined solutions and the same event of pivoting,
-    /// relative to the length of the segment.
+    /// Largest difference in t between an event on refined solutions and the same event of pivoting, relative to the
+    /// length of the segment.
     pub(crate) const MOVED: f64 = 1e-3;
 
-    /// Additional difference in t of these events, relative to a step that doubles the load. Pivoting locates events of
-    /// nearly parallel points to about 1e-7 of this step.
+    /// Tolerance that is added to `MOVED`, relative to a step that doubles the load. Pivoting locates events of nearly
+    /// parallel points to about 1e-7 of this step.
     pub(crate) const SEEN: f64 = 1e-6;
 
     /// Least length of a line of the path in t, relative to a step that doubles the load.
     pub(crate) const SHORT: f64 = 1e-3;
 
-    /// If a reaction or gap changes by less than this over a line, relative to its reference size, it is constant.
+    /// A reaction or gap that changes by less than this over a line of the path, relative to its reference size, counts
+    /// as constant.
     pub(crate) const STILL: f64 = 1e-10;
 
-    /// Displacement over a line without events, relative to the largest gap, at which the line is long enough to detect
-    /// a gap that closes.
+    /// A line of the path without events is long enough to detect a gap that closes if its displacement is at least
+    /// this fraction of the largest gap.
     pub(crate) const COUNTS: f64 = 0.1;
 
-    /// Largest factor by which a line without events is made longer. A motion that needs a larger factor is nearly
-    /// rounding.
+    /// Largest factor by which a line of the path without events is made longer. A motion that needs a larger factor is
+    /// nearly rounding.
     pub(crate) const LONGER: f64 = 1e12;
 
-    /// Relative tolerance for reactions and gaps that are zero.
+    /// Reactions and gaps below this, relative to their reference size, count as zero at the common end of two pieces
+    /// of a law.
     pub(crate) const NOTHING: f64 = 1e-14;
 
-    /// Smallest reference force, relative to the sum of the magnitudes of the load. [`SIGN`] times it equals the
-    /// rounding of this sum.
+    /// Smallest reference force of reactions on a path, relative to the largest nodal force of the load. [`SIGN`] times
+    /// it equals the rounding of this nodal force.
     pub(crate) const UNSEEN: f64 = 1e-7;
 }

@@ -23,15 +23,15 @@ use super::tolerances;
 /// ```
 pub struct LcpFamily {
     scaling: Scaling,
-    /// The problem scaled for its tolerances, at the slack basis. Its q is not used.
+    /// The scaled problem at the slack basis. Its q is not used.
     scaled: CoveredLcp<'static>,
     origin: Vec<bool>,
     basis: Basis,
-    /// Principal pivotal transform of the scaled M at `basis`, row-major.
+    /// Principal pivotal transform of the scaled M at the basis `origin`, row-major.
     pivoted: Vec<f64>,
 }
 
-/// The complementary basis at which the path of one problem ended.
+/// Result of [`LcpFamily::solve`]: the complementary basis at which the path of one problem ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LcpBasis {
     pub status: LcpStatus,

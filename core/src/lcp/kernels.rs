@@ -1,10 +1,10 @@
 //! Inner loops of the LCP solvers, compiled for the widest vector registers of the machine at run time.
 use pulp::{Arch, Simd, WithSimd};
 
-/// The length of padded vectors is a multiple of this number; they are padded with zeros.
+/// Vectors are padded with zeros to a length that is a multiple of this number.
 pub(super) const LANES: usize = 8;
 
-/// The largest absolute value in a padded vector. Each lane has a maximum of its own, so that comparisons do not wait
+/// The largest absolute value in a padded vector. Each SIMD lane has its own maximum, so that comparisons do not wait
 /// for each other.
 #[inline(always)]
 pub(super) fn largest_size(vector: &[f64]) -> f64 {
@@ -17,8 +17,8 @@ pub(super) fn largest_size(vector: &[f64]) -> f64 {
     lanes.into_iter().fold(0.0, f64::max)
 }
 
-/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors source_k one after the other. Their length,
-/// that of `target`, is a multiple of [`LANES`].
+/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors source_k one after the other. Each has the
+/// length of `target`, a multiple of [`LANES`].
 pub(super) fn subtract_multiples(target: &mut [f64], factors: &[f64], sources: &[f64]) {
     Arch::new().dispatch(SubtractMultiples { target, factors, sources });
 }
@@ -48,7 +48,7 @@ impl WithSimd for SubtractMultiples<'_> {
     }
 }
 
-/// Updates N SIMD registers of `target`, from register `from` on. The sums stay in registers.
+/// Updates N SIMD registers of `target`, from register `from` on. The sums over all sources stay in registers.
 #[inline(always)]
 fn subtract_in_strip<S: Simd, const N: usize>(
     simd: S,

@@ -84,8 +84,8 @@ pub fn lemke_watched(
     solve(lcp, options, basis, watch)
 }
 
-/// Largest number of restarts after the first path. A restart is cold, or starts at the final basis of a cold start
-/// whose recomputed values are infeasible.
+/// Largest number of restarts after the first path. A restart begins at the slack basis, or at the final basis of a
+/// path from there whose recomputed values are infeasible.
 const RESTARTS: usize = 4;
 
 fn solve(
@@ -105,7 +105,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // If numbers are near the largest f64, scaling back overflows.
+        // For numbers near the largest f64, the transformation to the original scale overflows.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))
@@ -166,15 +166,15 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
     }
 }
 
-/// Number of pivots between two calls of the callback. They take some milliseconds for a thousand pairs.
+/// Number of pivots between two calls of the callback; for a thousand pairs they take some milliseconds.
 pub(super) const WATCHED: usize = 64;
 
-/// The end of a path.
+/// How a path of almost complementary bases ended.
 pub(super) enum End {
-    /// The path ends at a complementary basis. An entry (m,) is true if slack and complement are exchanged relative to
-    /// the start.
+    /// The path ended at a complementary basis. An entry (m,) is true if slack and complement are exchanged relative to
+    /// the start of the path.
     Complementary(Vec<bool>),
-    /// The path ends on a ray with this direction (2m,): slacks first, then their complements.
+    /// The path ended on a ray with this direction (2m,): slacks first, then their complements.
     Ray(Vec<f64>),
     /// The pivot limit was reached, or rounding made the basis singular.
     Stopped,

@@ -12,7 +12,7 @@ use crate::dense::OutOfMemory;
 pub enum ParametricEnd {
     /// The path reached the requested largest t.
     Reached,
-    /// If M is positive semidefinite: for larger t no z ≥ 0 gives w ≥ 0.
+    /// For larger t no z ≥ 0 gives w ≥ 0, provided that M is positive semidefinite.
     Infeasible,
     /// The pivot limit was reached, t decreased (M is not positive semidefinite), or rounding made a basis singular.
     Stopped,
@@ -86,7 +86,7 @@ pub fn parametric(
     }
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
-    // If the unit of t is beyond the range of f64, the ends of segments cannot be represented.
+    // If the unit of t is beyond the range of f64, the ends of the segments cannot be computed.
     match scaled.pivoted(basis)?.filter(|_| unit.is_normal()) {
         Some(origin) => path.end = follow(origin, basis, unit, end, &mut path, watch)?,
         None => path.end = ParametricEnd::Stopped,
@@ -94,8 +94,8 @@ pub fn parametric(
     Ok(path)
 }
 
-/// Follows the path from the slack basis of a problem that is transformed to `origin`. `unit` is the t that corresponds
-/// to 1 in the scaled problem.
+/// Follows the parametric path from the slack basis of a problem that is transformed to the basis `origin`. `unit` is
+/// the t that corresponds to 1 in the scaled problem.
 fn follow(
     mut problem: CoveredLcp,
     origin: &[bool],
@@ -105,7 +105,7 @@ fn follow(
     watch: &mut dyn FnMut(usize) -> bool,
 ) -> Result<ParametricEnd, OutOfMemory> {
     let order = problem.order();
-    // The basis solves the problem at t = 0, so negative values there are rounding errors.
+    // The basis solves the problem at t = 0, so negative entries of q are rounding errors.
     problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
     let limit = default_max_pivots(order).max(1000);
     let mut tableau = Tableau::new(&problem)?;
@@ -119,7 +119,7 @@ fn follow(
             Err(Stuck::Singular) => return Ok(ParametricEnd::Stopped),
             Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
         };
-        // From here to the next event, the entering variable is basic and t is not.
+        // From here to the next event, the entering variable is basic and the parameter t is not.
         let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
         let basis: Vec<bool> = (0..order).map(|i| origin[i] != basic(i)).collect();
         let Some(leaving) = leaving else {

@@ -16,7 +16,7 @@ impl CoveredLcp<'_> {
         Ok(self.pivoted(basis)?.map(|pivoted| CoveredLcp { covering: ones, ..pivoted }))
     }
 
-    /// As [`Self::principal_transform`], but the covering vector is transformed like q instead of replaced by ones.
+    /// As [`Self::principal_transform`], but the covering vector is transformed like q.
     pub(super) fn pivoted(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self)?;
@@ -27,8 +27,8 @@ impl CoveredLcp<'_> {
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
-    /// z and w at a complementary basis. Negative values within rounding become zero. `None` if the basis is singular,
-    /// or if z or w has larger negative values.
+    /// Values of z and w at a complementary basis. Negative values within rounding become zero. `None` if the basis is
+    /// singular, or if z or w has larger negative values.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
         let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };
@@ -36,8 +36,8 @@ impl CoveredLcp<'_> {
         Ok(Some(result))
     }
 
-    /// The principal block M′_αα for the indices α. Eight rows are copied at a time, because M is row-major and the
-    /// block column-major.
+    /// The principal block M′_αα of the scaled M for the indices α. Eight rows are copied at a time, because M is
+    /// row-major and the block column-major.
     fn principal_block(&self, indices: &[usize]) -> Result<Mat<f64>, OutOfMemory> {
         let order = self.order();
         let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
@@ -54,7 +54,7 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// A complementary basis, with the LU factors of the block of M′ that belongs to its basic z.
+/// A complementary basis, with the LU factors of the block of the scaled M′ in the rows and columns of the basic z.
 pub(super) struct Basis {
     basis: Vec<bool>,
     basic: Vec<usize>,
@@ -62,7 +62,7 @@ pub(super) struct Basis {
     factors: Lu,
 }
 
-/// z and w (m,) at a complementary basis; their entries may have any sign.
+/// Values of z and w (m,) at a complementary basis; their entries may have any sign.
 pub(super) struct BasicValues {
     pub(super) z: Vec<f64>,
     pub(super) w: Vec<f64>,
@@ -71,7 +71,7 @@ pub(super) struct BasicValues {
 }
 
 impl Basis {
-    /// Factors the block of M′ that belongs to the basic z; `None` if this block is singular.
+    /// Factors the block of the scaled M′ in the rows and columns of the basic z; `None` if this block is singular.
     pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let basic = indices(basis);
         let block = problem.principal_block(&basic)?;
@@ -80,7 +80,8 @@ impl Basis {
         Ok(regular.then(|| Self { basis: basis.to_vec(), basic, block, factors }))
     }
 
-    /// z and w, after one step of iterative refinement with a double-double residual. `None` if a value overflows.
+    /// Values of z and w, after one step of iterative refinement with a double-double residual. `None` if a value
+    /// overflows.
     pub(super) fn values(&self, problem: &CoveredLcp) -> Result<Option<BasicValues>, OutOfMemory> {
         let (order, basic) = (problem.order(), &self.basic);
         let solve = |vector: &mut [f64]| {

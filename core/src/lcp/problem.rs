@@ -39,7 +39,7 @@ impl LcpStatus {
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Solved => "A complementary solution was found.",
-            Self::Ray => "The path left along a secondary ray: if M is copositive-plus, no point is feasible.",
+            Self::Ray => "The path ended on a secondary ray: if M is copositive-plus, the problem is infeasible.",
             Self::PivotLimit => {
                 "The solver stopped without a solution, at the pivot limit or where rounding kept every basis infeasible."
             }
@@ -134,7 +134,7 @@ impl<'a> Lcp<'a> {
         Ok(Self { matrix, q })
     }
 
-    /// As [`Lcp::new`], for a matrix whose entries are known to be finite.
+    /// As [`Lcp::new`], for a matrix whose entries were found to be finite before.
     pub(super) fn with_matrix_of(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
         if matrix.len() != q.len() * q.len() {
             return Err(LcpError::MatrixLength { found: matrix.len(), order: q.len() });

@@ -19,7 +19,7 @@ pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     tied.unwrap_or(0)
 }
 
-/// The row that leaves the basis, and whether its pivot is so small that it may be a rounding error.
+/// The row that leaves the basis, and whether its pivot is doubtful: so small that it may be a rounding error.
 struct Leaving {
     row: usize,
     doubtful: bool,
@@ -48,18 +48,18 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
 }
 
-/// A doubtful pivot is recomputed if at least this number of exchanges followed the last recomputation: the larger of
-/// `RECOMPUTE_AGE` and the order divided by `RECOMPUTE_PART`.
+/// A doubtful pivot is recomputed if at least this number of exchanges followed the last recomputation of the tableau:
+/// the larger of `RECOMPUTE_AGE` and the order divided by `RECOMPUTE_PART`.
 ///
 /// A recomputation costs as much as many exchanges, more with increasing order. If rounding errors dominate, every
-/// pivot is doubtful. With this rule a path of 4057 points took 44 s; without the rule it had not ended after two
-/// minutes.
+/// pivot is doubtful. With this rule a path for 4057 contact points took 44 s; without the rule it had not ended after
+/// two minutes.
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 
 /// Reasons why the next pivot cannot be chosen.
 pub(super) enum Stuck {
-    /// Rounding made the basis singular.
+    /// Rounding made the basis of the tableau singular.
     Singular,
     OutOfMemory,
 }
@@ -71,7 +71,7 @@ impl From<OutOfMemory> for Stuck {
 }
 
 /// Sets the entering variable and returns the row that leaves; `None` if no basic variable falls to zero. A doubtful
-/// pivot, or the end of a path, is accepted only if the tableau was recomputed recently.
+/// pivot, or the end of a path, is accepted only if the tableau was recomputed by a factorization shortly before.
 pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usize>) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
@@ -109,8 +109,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the entry of the row in `column`. Infinite
-/// without such a row.
+/// Ratio test: the smallest max(value, 0) / −a over the rows with a < `least`, where a is the entry of the row in
+/// `column`. Infinite without such a row.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];
@@ -124,8 +124,8 @@ fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Writes to `tied` the rows with a < `least` whose variables fall to zero, within the tolerance, when the entering
-/// variable is `step`.
+/// Writes to `tied` the rows with an entry a < `least` in `column` whose basic variables are zero, within the
+/// tolerance, when the entering variable is `step`.
 #[inline(always)]
 fn find_tied(values: &[f64], column: &[f64], least: f64, step: f64, tied: &mut Vec<usize>) {
     let reaches = |value: f64, a: f64| {

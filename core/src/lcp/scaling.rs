@@ -6,7 +6,7 @@ use super::problem::Lcp;
 use crate::dense::{OutOfMemory, room};
 use crate::vectorized::vectorized;
 
-/// The problem w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j; `units` is u and `covering` is d, each (m,).
+/// The scaled problem w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j; `units` is u and `covering` is d, each (m,).
 pub(super) struct CoveredLcp<'a> {
     pub(super) matrix: Cow<'a, [f64]>,
     pub(super) units: Cow<'a, [f64]>,
@@ -35,7 +35,7 @@ impl CoveredLcp<'_> {
         })
     }
 
-    /// Copies column j of M′ to `target`, or the covering vector if j is the order m.
+    /// Copies column j of M′ to `target`; for j = m, with m the order, copies the covering vector.
     pub(super) fn copy_column(&self, j: usize, target: &mut [f64]) {
         let order = self.order();
         if j == order {
@@ -60,13 +60,13 @@ pub(super) struct Scaling {
     load: f64,
 }
 
-/// Largest number of passes of equilibration over M.
+/// Largest number of passes over M in the equilibration of rows and columns.
 const PASSES: usize = 4;
 
-/// Equilibration ends if the largest entry of every row and column is within this factor of 1.
+/// Equilibration of rows and columns ends if the largest entry of each is within this factor of 1.
 const EVEN: f64 = 4.0;
 
-/// Entries of D are between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that products with them stay finite.
+/// Entries of the diagonal scaling D are between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that products with them stay finite.
 const LEAST: f64 = 1.0 / MOST;
 const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
@@ -116,8 +116,8 @@ impl Scaling {
         q.iter().zip(&self.diagonal).map(|(a, d)| a * d / load).collect()
     }
 
-    /// Direction (m,) of z, in original units, on a ray of the problem transformed to the basis `origin`. It is scaled
-    /// to a largest entry of 1.
+    /// Direction (m,) of z, in the original scale, on a ray of the problem transformed to the basis `origin`. It is
+    /// scaled to a largest entry of 1.
     pub(super) fn unscaled_ray(&self, origin: &[bool], direction: &[f64]) -> Vec<f64> {
         let (slack, complement) = direction.split_at(origin.len());
         let mut ray: Vec<f64> =
@@ -145,7 +145,7 @@ fn load_of(q: &[f64], diagonal: &[f64]) -> f64 {
     if scaled().any(|a| a < 0.0) { short } else { power_of_two(scaled()) }
 }
 
-/// For each i, the largest |D_i M_ij D_j| in row i or column i.
+/// For each i, the largest entry |D_i M_ij D_j| of the scaled matrix in row i or column i.
 fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
     let order = lcp.order();
     let mut largest = vec![0.0_f64; order];

@@ -17,31 +17,34 @@ use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
 use crate::vectorized::vectorized;
 
-/// The base is updated when m/8 rank-one terms are collected, but at least `LEAST` and at most `MOST` terms. With fewer
-/// terms, reading the base limits the speed of the product. With more terms, computing the columns takes longer than
-/// the product.
+/// T = base − U V is updated when m/8 rank-one terms are collected, but at least `LEAST` and at most `MOST` terms. With
+/// fewer terms, memory access to the base limits the speed of the product U V. With more terms, computing single
+/// columns of T takes longer than the product.
 const LEAST: usize = 40;
 const MOST: usize = 128;
 
-/// Number of columns of the base that a thread updates together.
+/// Number of columns of the tableau that a thread updates together.
 const TOGETHER: usize = 128;
 
-/// An exchange after the last update of the base: row and column of a rank-one term.
+/// A rank-one term: row and column of an exchange after the last update of the base.
 struct Term {
     row: usize,
     column: usize,
-    /// Whether this is the first term with this row. For later terms the row of the base counts as zero.
+    /// Whether this is the first collected term with this row. For later terms with this row, the row of the base
+    /// counts as zero.
     first: bool,
 }
 
-/// The tableau. Variables are numbered: slack i has the number i, its complement m + i, the artificial variable 2m.
+/// The tableau T = base − U V. Variables are numbered: slack i has the number i, its complement m + i, the artificial
+/// variable 2m.
 pub(super) struct Tableau<'a> {
     problem: &'a CoveredLcp<'a>,
     order: usize,
-    /// Length of each column, padded with zeros.
+    /// Length of a column of the tableau, padded with zeros.
     stride: usize,
     block: usize,
-    /// The base, column-major. The list is empty as long as the base equals M′ and the covering vector.
+    /// The base of T = base − U V, column-major. The list is empty as long as the base equals M′ and the covering
+    /// vector.
     base: Vec<f64>,
     terms: Vec<Term>,
     /// The matrix U of T = base − U V, column-major. Each column of U is zero in the rows of later terms.
@@ -63,8 +66,8 @@ impl<'a> Tableau<'a> {
     /// Makes the tableau of the slack basis, w = q + Mz + d z₀, in which the artificial variable enters next.
     pub(super) fn new(problem: &'a CoveredLcp) -> Result<Self, OutOfMemory> {
         let order = problem.order();
-        // The stride is an odd number of cache lines. Otherwise the entries of a row would be mapped to a few cache
-        // sets.
+        // The column length is an odd number of cache lines. Otherwise the entries of a row would be mapped to a few
+        // cache sets.
         let stride = (order.div_ceil(LANES) | 1) * LANES;
         let block = (order / 8).clamp(LEAST, MOST);
         let padded = |entries: &[f64]| {
@@ -126,7 +129,7 @@ impl<'a> Tableau<'a> {
         self.place[variable] - self.order
     }
 
-    /// Entry (i, j) of the base: of T without the collected terms.
+    /// Entry (i, j) of the base, which is T without the collected rank-one terms.
     fn base_entry(&self, i: usize, j: usize) -> f64 {
         match self.base.get(j * self.stride + i) {
             Some(&entry) => entry,
@@ -135,8 +138,8 @@ impl<'a> Tableau<'a> {
         }
     }
 
-    /// Column j of V, and whether a term has replaced column j of the base. `rows` has the entries of column j of the
-    /// base in the rows of the terms.
+    /// Column j of V in T = base − U V, and whether a term has replaced column j of the base. `rows` has the entries of
+    /// column j of the base in the rows of the terms.
     fn factors(&self, j: usize, rows: impl Iterator<Item = f64>) -> ([f64; MOST], bool) {
         let mut factors = [0.0; MOST];
         let count = self.terms.len();
@@ -157,7 +160,7 @@ impl<'a> Tableau<'a> {
         (factors, last.is_some())
     }
 
-    /// Entries of T in the given rows of the column of a nonbasic variable.
+    /// Entries of T in the rows `rows` of the column that belongs to a nonbasic variable.
     pub(super) fn entries(&self, rows: &[usize], nonbasic: usize) -> Vec<f64> {
         let j = self.column_of(nonbasic);
         let of_terms = self.terms.iter().map(|term| if term.first { self.base_entry(term.row, j) } else { 0.0 });
@@ -193,7 +196,7 @@ impl<'a> Tableau<'a> {
             self.flush()?;
         }
         let (s, k, reciprocal) = (self.column_of(entering), self.terms.len(), self.column[r].recip());
-        // Row r of T, row r of U, and column s are zero from now on, since the new term contains their entries.
+        // Row r of T, row r of U, and column s of T are zero from now on, since the new term contains their entries.
         for (l, column) in self.left.chunks_exact_mut(self.stride).enumerate() {
             self.lower[l * self.block + k] = std::mem::take(&mut column[r]);
         }
@@ -223,7 +226,7 @@ impl<'a> Tableau<'a> {
         direction
     }
 
-    /// Updates the base, base ← base − U V, and removes the collected terms.
+    /// Subtracts the collected rank-one terms from the base, base ← base − U V, and clears them.
     fn flush(&mut self) -> Result<(), OutOfMemory> {
         let (order, stride, count) = (self.order, self.stride, self.terms.len());
         self.fill_base()?;
@@ -262,7 +265,7 @@ impl<'a> Tableau<'a> {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
-        // Fills as many columns at a time as a cache line of M has entries.
+        // Fills together as many columns as a cache line of M has entries.
         let fill = |(block, columns): (usize, &mut [f64])| {
             let first = block * LANES;
             for (i, row) in problem.matrix.chunks_exact(order).enumerate() {

@@ -2,12 +2,12 @@
 //! of about 1. ε is 2.2e-16.
 
 /// Smallest pivot, relative to the larger of 1 and the largest entry of its column. Smaller entries count as zero. The
-/// value exceeds the rounding error of a zero after elimination, about 10⁵ ε, and is smaller than the relative
-/// stiffness of soft supports of a free plate.
+/// value is more than the rounding error of a zero after elimination, about 10⁵ ε, and less than the relative stiffness
+/// of soft supports of a free plate.
 pub(super) const PIVOT: f64 = 1e-11;
 
-/// A pivot of smaller relative size is doubtful: half of its digits may be rounding errors, since the value is √ε. The
-/// tableau is recomputed before such a pivot is used.
+/// A pivot of smaller relative size than this is doubtful: since the value is √ε, half of its digits may be rounding
+/// errors. The tableau is recomputed before such a pivot is used, unless it was recomputed shortly before.
 pub(super) const DOUBTFUL_PIVOT: f64 = 1e-8;
 
 /// Relative tolerance for equal ratios. Two rows are tied if, at the smaller ratio, the basic variable of the other row
@@ -15,7 +15,7 @@ pub(super) const DOUBTFUL_PIVOT: f64 = 1e-8;
 /// the smallest pivot.
 pub(super) const TIE: f64 = 10.0 * PIVOT;
 
-/// Tolerance for a step of the parameter t that counts as zero, relative to the larger of 1 and t.
+/// A step of the parameter t counts as zero if it is smaller than this, relative to the larger of 1 and t.
 pub(super) const SAME_EVENT: f64 = TIE;
 
 /// Relative tolerance for negative basic variables. The reference of z_i is the largest z. The reference of w_i is
@@ -24,6 +24,6 @@ pub(super) const SAME_EVENT: f64 = TIE;
 /// elimination.
 pub(super) const FEASIBILITY: f64 = PIVOT;
 
-/// Tolerance for the [`InfeasibilityProof`](super::InfeasibilityProof) of a ray from a warm start. A ray from a cold
-/// start needs no proof.
+/// Relative tolerance for the [`InfeasibilityProof`](super::InfeasibilityProof) of a ray from a warm start. A ray from
+/// a cold start needs no proof.
 pub(super) const PROOF: f64 = TIE;

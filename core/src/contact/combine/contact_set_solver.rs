@@ -1,7 +1,9 @@
-//! Solves the equations of contact states, one state after another, for the factors x of the point responses.
+//! Solves the equations of a contact state for x, the factors of the responses to the contact points in a combination
+//! of load cases.
 //!
-//! The equations of a state differ from those of a reference state only in the points that changed their piece. So the
-//! inverse for the reference state serves for both (Woodbury 1950), with corrections by double-double residuals.
+//! The equations of a contact state differ from those of a reference state only at points that are on another piece of
+//! their law. So one inverse, that of the reference state, serves for many contact states by a low-rank update
+//! (Woodbury 1950) and corrections by double-double residuals.
 
 use crate::contact::interface::{Form, Interface};
 use crate::contact::points::Points;
@@ -13,31 +15,33 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Largest ratio of changed points to all points for which the inverse of the reference state is updated. With more
-/// changes a new factorization is cheaper.
+/// Largest fraction of the points that may be on another piece of their law than in the reference state if its inverse
+/// is updated. With more such points a new factorization is cheaper.
 const FEW: f64 = 0.25;
 /// Largest number of points for which the dense inverse is stored; it limits memory.
 const MOST: usize = 2000;
-/// Largest number of corrections with the updated inverse. Without convergence the equations of the state are factored.
+/// Largest number of corrections with the updated inverse. Without convergence the equations of the contact state are
+/// factored.
 const CORRECTIONS: usize = 4;
 
-/// Factors x of the point responses, reactions and gaps of the contact points; each has shape (m,).
+/// Three vectors (m,): factors x of the responses to the m contact points, reactions and gaps of the points.
 pub(super) type PointFactors = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Solver of the equations of contact states for the factors x of the point responses. If the force of a point depends
-/// on its travel, the equation of the point prescribes travel − r/k, otherwise r.
+/// Solver for x, the factors of the responses to the contact points, on one contact state after another. If the force r
+/// of a point depends on its travel, the equation of the point prescribes travel − r/k with the slope k of its piece of
+/// the law; otherwise it prescribes r.
 pub(super) struct ContactSetSolver {
     form: Form,
-    /// Travel (`moved`) and reaction of all points under each point response (m, m), response by response.
+    /// Travel (`moved`) and reaction of all m points in the response to each point (m, m), response by response.
     moved: Vec<f64>,
     reaction: Vec<f64>,
     known: Option<ReferenceInverse>,
 }
 
-/// The compliance 1/k of a point whose force depends on its travel; `None` for other points.
+/// The compliance 1/k of a contact point whose force depends on its travel; `None` for other contact points.
 type Compliance = Option<f64>;
 
-/// A contact state and the inverse of its equations. Each equation is divided by its largest coefficient.
+/// The reference contact state and the inverse of its equations. Each equation is divided by its largest coefficient.
 struct ReferenceInverse {
     pieces: Vec<u8>,
     /// Scale factor (m,) by which each equation is multiplied.
@@ -45,7 +49,7 @@ struct ReferenceInverse {
     inverse: Mat<f64>,
 }
 
-/// A contact state, given by the compliances (m,) of the points on their pieces.
+/// A contact state, given by the compliance (m,) of each contact point on its piece of the law.
 struct On<'a> {
     interface: &'a Interface,
     form: Form,
@@ -57,7 +61,7 @@ impl On<'_> {
         self.compliance.len()
     }
 
-    /// The coefficient of x_i in the equation of point i if x_i is its only unknown; otherwise `None`.
+    /// The coefficient of x_i in the equation of point i if this equation has no other unknown; otherwise `None`.
     fn alone(&self, i: usize) -> Option<f64> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
@@ -69,7 +73,7 @@ impl On<'_> {
 }
 
 impl ContactSetSolver {
-    /// Makes the solver from the responses `points` to each contact point.
+    /// Makes the solver from `points`, the responses to each contact point.
     pub(super) fn new(form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
         let count = points.len();
         Ok(Self {
@@ -88,7 +92,7 @@ impl ContactSetSolver {
         On { interface, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
-    /// Inverts the equations of the reference state `pieces`. If they are singular, no inverse is stored.
+    /// Inverts the equations of the reference contact state `pieces`. If they are singular, no inverse is stored.
     pub(super) fn begin_with(
         &mut self,
         interface: &Interface,
@@ -111,7 +115,8 @@ impl ContactSetSolver {
     }
 
     /// Factors x, reactions and gaps for the contact state `pieces`; `None` if its equations are singular. `moved` and
-    /// `reaction` (m,) are travels and reactions of the points before point responses are added.
+    /// `reaction` (m,) are travel and reaction of the points in the sum of the load cases, before the responses to the
+    /// points are added.
     pub(super) fn solve(
         &self,
         interface: &Interface,
@@ -141,7 +146,8 @@ impl ContactSetSolver {
         Ok(Some((factor, reaction, gap)))
     }
 
-    /// Coefficient of x_j in the equation of point i for the contact state `on`.
+    /// Coefficient of x_j, the factor of the response to point j, in the equation of point i for the contact state
+    /// `on`.
     fn coefficient(&self, on: &On, i: usize, j: usize) -> f64 {
         let at = j * on.len() + i;
         match (on.alone(i), on.compliance[i]) {
@@ -159,7 +165,7 @@ impl ContactSetSolver {
     }
 
     /// For each point i, own_i + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double. `moved_ij` and `reaction_ij`
-    /// are travel and reaction of point i under point response j.
+    /// are travel and reaction of point i in the response to point j.
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
@@ -179,7 +185,7 @@ impl ContactSetSolver {
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
-    /// Residual (m,) of the equations for the factors `x`: `right` minus the left-hand side.
+    /// Residual (m,) of the equations of the contact points for the factors `x`: `right` minus the left-hand side.
     fn residual(&self, on: &On, right: &[f64], x: &[f64]) -> Vec<f64> {
         let mut residual = self.add_products(right.to_vec(), x, |i, moved, reaction| match on.compliance[i] {
             Some(compliance) => compliance * reaction - moved,
@@ -194,7 +200,7 @@ impl ContactSetSolver {
     }
 
     /// Factors x (m,) by the updated inverse of the reference state. `None` if there is no inverse, if too many points
-    /// changed, or without convergence.
+    /// are on another piece of their law than in the reference state, or without convergence.
     fn updated(&self, on: &On, pieces: &[u8], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let Some(ReferenceInverse { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = on.len();
@@ -204,7 +210,8 @@ impl ContactSetSolver {
         }
         let mut unit = unit.clone();
         changed.iter().for_each(|&i| unit[i] = self.unit(on, i));
-        // Rows of the changed equations; times the columns of the inverse they give the capacitance matrix of Woodbury.
+        // Rows of the changed equations. Their product with the columns of the inverse is the capacitance matrix of
+        // Woodbury.
         let row = |p: usize, j: usize| unit[changed[p]] * self.coefficient(on, changed[p], j);
         let rows = dense::matrix(changed.len(), count, row)?;
         let columns = dense::matrix(count, changed.len(), |i, q| inverse[(i, changed[q])])?;
@@ -232,7 +239,7 @@ impl ContactSetSolver {
         Ok(None)
     }
 
-    /// Factors x (m,) by a factorization of the equations with more than one coefficient; `None` if they are singular.
+    /// Factors x (m,) by a factorization of the equations with more than one unknown; `None` if they are singular.
     fn factored(&self, on: &On, right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let mut x = vec![0.0; on.len()];
         let mut unknown = Vec::new();

@@ -1,8 +1,8 @@
-//! Many combinations of few load cases: each combination solves one LCP, without an operation on the plate.
+//! Many combinations of few load cases: each combination solves one LCP of the contact points, without a solve with K.
 //!
-//! Everything that is linear in the factors of the cases is condensed once. A combination sums q over its cases, solves
-//! its LCP, and solves the equations of its contact state with the refined responses. Its result depends on its own
-//! factors only, so that order of combinations and number of threads change no bit.
+//! All quantities that are linear in the load are condensed once for each load case. A combination sums q over its
+//! cases, solves its LCP, and solves the equations of its contact state with the refined responses. Its result depends
+//! on its own factors only, so that order of combinations and number of threads change no bit.
 
 mod contact_set_solver;
 
@@ -24,7 +24,7 @@ const TOGETHER: usize = 256;
 /// Solution of one combination at the m contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    /// Factors x (m,) of the point responses, see [`Response`].
+    /// Factors x (m,) of the responses to the contact points, see [`Response`].
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
     pub gap: Vec<f64>,
@@ -35,13 +35,16 @@ pub struct Combined {
 /// Condensed load cases, which all combinations share.
 pub struct CombinedCases {
     form: Form,
-    /// q (k,) of the LCP without load, and its change for each case, before the free motions are imposed.
+    /// Vector q (k,) of the LCP without load, and the change of q by each load case. Balance in the free rigid motions
+    /// is not yet imposed on them.
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
-    /// LCPs with the same M that start at the basis of the reference state; `None` if this basis is singular.
+    /// The LCPs of all combinations have the same M and start at the basis of the reference contact state; `None` if
+    /// this basis is singular.
     family: Option<LcpFamily>,
     set_solver: ContactSetSolver,
-    /// Distance (m,) in travel from u = 0, r = 0 to the line of each point's first piece.
+    /// For each contact point (m,), the distance in travel from the state u = 0, r = 0 to the line of the piece of its
+    /// law on which the LCP starts.
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
@@ -49,11 +52,11 @@ pub struct CombinedCases {
 
 impl ContactProblem {
     /// Condenses load cases for [`ContactProblem::combine`], from the responses without load (`rest`), to each case
-    /// (`cases`) and to each contact point (`points`). Their displacements are not used.
+    /// (`cases`) and to each contact point (`points`). The displacements of these responses are not used.
     ///
-    /// The reference contact state is the solution for the sum of all cases, or the first pieces if this load has no
-    /// solution. Each LCP starts from the basis of the reference state. The equations of each contact state are solved
-    /// with the inverse for the reference state.
+    /// The reference contact state is the solution for the sum of all cases, or the first pieces of the laws if this
+    /// load has no solution. Each LCP starts from the basis of the reference state. The equations of each contact state
+    /// are solved with the inverse for the reference state.
     pub fn combined_cases(
         &self,
         rest: Response,
@@ -66,7 +69,7 @@ impl ContactProblem {
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
-        // Distance in travel from u = 0, r = 0 to the line of the first piece.
+        // Distance in travel from the state u = 0, r = 0 to the line of the first piece of a point's law.
         let to_piece = |(i, &piece): (usize, &u8)| {
             let piece = self.points.piece(i, piece);
             piece.travel - piece.compliance() * piece.force
@@ -141,14 +144,14 @@ impl ContactProblem {
             Err(SolveError::Unsolved) => {}
             combined => return combined,
         }
-        // The LCP was solved, but the state is infeasible because of rounding in many pivots. A new tableau that starts
+        // The LCP was solved, but rounding in many pivots made the contact state infeasible. A new tableau that starts
         // from this state needs few pivots.
         let again = pieces_of(self, template, &q, Some(pieces), &mut pivots, &mut |_| true)?;
         self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
-    /// Solves a combination on the contact state `piece` (m,). `sum` has the responses without load and to the cases,
-    /// summed with the factors of the combination.
+    /// Solves a combination on the contact state `piece` (m,). `sum` is the response without load plus those to the
+    /// load cases, multiplied by the factors of the combination.
     fn on_pieces_of(
         &self,
         interface: &Interface,
@@ -169,13 +172,13 @@ impl ContactProblem {
         Ok(Combined { factor, reaction, gap, piece, pivots })
     }
 
-    /// Whether every point is within the bounds of its piece, up to rounding. `travel` is the largest travel of the
-    /// summed responses.
+    /// Whether every contact point is within the bounds of its piece of the law, up to rounding. `travel` is the
+    /// largest travel in the sum of the responses.
     fn is_certain(&self, pieces: &[u8], reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let force = tolerances::SIGN * largest_force(self, &[], reaction);
         let (shift, arm) = (&self.points.shift, &self.points.arm);
         let moved = (0..gap.len()).map(|i| arm[i] * (shift[i] - gap[i]).abs()).fold(0.0, f64::max);
-        // A point with a large gap does not change the tolerance at other points.
+        // A large gap of one point changes the tolerance at this point only.
         let length = |i: usize| {
             let moved = moved / arm[i];
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])
@@ -186,7 +189,8 @@ impl ContactProblem {
     }
 }
 
-/// Right-hand side of the condensed equations for a response; `violation` (m,) is copied.
+/// Right-hand side of the condensed equations for a response, with a copy of `violation` (m,), the distances to pieces
+/// of the laws.
 fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),
@@ -196,7 +200,8 @@ fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
 }
 
 impl CombinedCases {
-    /// The responses summed with the factors of a combination, and q (k,) of the LCP of the combination.
+    /// The sum of the responses with the factors of a combination, and the vector q (k,) of the LCP of this
+    /// combination.
     fn pose(&self, template: &LcpTemplate, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
@@ -207,7 +212,8 @@ impl CombinedCases {
         (sum, q)
     }
 
-    /// The response without load plus Σ factor · case response; displacements are left out.
+    /// The sum of responses u₀ + Σ factor_c u_c at the contact points: the response without load plus those to the load
+    /// cases.
     fn sum(&self, factors: &[f64]) -> Response {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();

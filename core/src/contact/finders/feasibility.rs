@@ -8,8 +8,8 @@ use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// The points that are beyond a bound of their piece by more than rounding, each with the number of the adjacent piece
-/// beyond this bound. Lengths up to `least_length` count as zero.
+/// The contact points that are beyond a bound of their piece of the law by more than rounding, each with the number of
+/// the adjacent piece beyond this bound. Travels up to `least_length` count as zero.
 pub(super) fn beyond_rounding(
     problem: &ContactProblem,
     load: &[f64],
@@ -31,8 +31,8 @@ pub(super) fn beyond_rounding(
     beyond(problem, |i| solution.state(i), force, length).collect()
 }
 
-/// The points that are beyond a bound of their piece by more than `force`, or by more than `length(i)` in travel. Each
-/// comes with the number of the adjacent piece beyond this bound.
+/// The contact points that are beyond a bound of their piece of the law by more than `force`, or by more than
+/// `length(i)` in travel. Each comes with the number of the adjacent piece beyond this bound.
 pub(in crate::contact) fn beyond(
     problem: &ContactProblem,
     state: impl Fn(usize) -> PointState,
@@ -43,8 +43,7 @@ pub(in crate::contact) fn beyond(
     (0..points.len()).filter_map(move |i| {
         let (state, length) = (state(i), length(i));
         let piece = points.piece(i, state.piece);
-        // For a soft spring, the tolerance is the force that the spring has at the travel `length`, which is less than
-        // `force`.
+        // For a soft spring, the tolerance is its force at the travel `length`, if this force is less than `force`.
         let allowed = if piece.holds() { (force * points.arm[i]).min(length * piece.slope) } else { length };
         let is_outside = |is_upper| points.signed_distance(i, state, is_upper).is_some_and(|d| !(d >= -allowed));
         if is_outside(false) { Some((i, state.piece - 1)) } else { is_outside(true).then_some((i, state.piece + 1)) }

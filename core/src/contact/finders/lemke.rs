@@ -14,11 +14,11 @@ use crate::contact::solution::{ContactSolution, Progress, Watch};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, LemkeOptions, lemke_watched};
 
-/// Largest number of LCPs that are posed for one load; the contact state of each is refined.
+/// Largest number of LCPs that are posed for one load. The solution on the contact state of each LCP is refined.
 const STATES: usize = 60;
 
-/// Solves one load by Lemke's algorithm and refines the solution. If the refined solution violates a bound of a piece,
-/// a new LCP is posed from this solution.
+/// Solves one load by Lemke's algorithm and refines the solution. If a point of the refined solution is beyond a bound
+/// of its piece of the law, a new LCP is posed from this solution.
 pub(in crate::contact) fn by_lemke(
     problem: &ContactProblem,
     interface: &Interface,
@@ -46,7 +46,8 @@ pub(in crate::contact) fn by_lemke(
             let before = solution.reaction.clone();
             solution.put_on(&problem.points, pieces);
             residual = Residual::of(problem, load, &solution);
-            // If no reaction changed, the right-hand side of the LCP is also that of the first correction.
+            // If no reaction changed, the right-hand side of the LCP also serves for the first correction of the
+            // refinement.
             kkt.reduced = (solution.reaction == before).then(|| {
                 reduced.rhs.violation.clone_from(&residual.violation);
                 reduced
@@ -55,8 +56,9 @@ pub(in crate::contact) fn by_lemke(
         }
         solution.measure_gaps(&problem.points, &residual);
         if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
-            // Refuses a contact state whose equations are regular only by rounding. If no load acts, the reference
-            // force is the rounding of the forces that settlements cause.
+            // Refuses a solution with a large residual: its contact state is singular, and only rounding made the
+            // equations regular. If no load acts, the reference force is the rounding of the forces that settlements
+            // cause.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);
             return solution.require_solved(problem, load, &residual, least);
         }
@@ -65,8 +67,8 @@ pub(in crate::contact) fn by_lemke(
     Err(SolveError::Unsolved)
 }
 
-/// The condensed residual of `solution` under a load, as right-hand side of the LCP for the remaining change of the
-/// solution. Violations are relative to the first pieces.
+/// The residual of `solution` under a load, condensed onto the contact points: the right-hand side of the LCP for the
+/// remaining change of the solution. Violations are distances to the first pieces of the laws, on which the LCP starts.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     interface: &Interface,
@@ -78,8 +80,8 @@ pub(in crate::contact) fn posed_from(
     problem.reduced(interface, &Residual::from(problem, load, solution, &pieces), form)
 }
 
-/// The contact state (m,) that solves the LCP with the vector `q`. If the contact state `from` is present, pivoting
-/// starts at its basis. Adds the number of pivots to `pivots`.
+/// The contact state (m,) that solves the LCP with the vector `q`. If a contact state `from` is given, pivoting starts
+/// at its basis. The number of pivots is added to `pivots`.
 pub(in crate::contact) fn pieces_of(
     problem: &ContactProblem,
     template: &LcpTemplate,
@@ -107,8 +109,8 @@ pub(in crate::contact) fn pieces_of(
     Ok(vertices.pieces(&end.basis))
 }
 
-/// Covering vector d (k,): a force for each row whose w is a force, otherwise the length by which this force deflects
-/// the plate. The path of Lemke's algorithm then does not depend on units.
+/// Covering vector d (k,): a force for each row whose w is a force, otherwise the deflection of the plate under this
+/// force. The path of Lemke's algorithm then does not depend on units.
 fn covering(problem: &ContactProblem, rows: &[VertexRow]) -> Vec<f64> {
     let power_of_two = |x: f64| x.log2().round().exp2();
     let root = power_of_two(problem.scale.stiffness.sqrt());

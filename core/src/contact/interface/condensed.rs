@@ -18,13 +18,13 @@ pub(in crate::contact) struct Interface {
     pub(in crate::contact) free_motions: Vec<Vec<f64>>,
     /// N (m, f): displacement Gu of each contact point in each of the f free rigid motions.
     pub(super) moves: Mat<f64>,
-    /// The Schur complement S; `None` unless each row of G selects a single dof. With it, `flexibility` is made when it
-    /// is first needed.
+    /// The Schur complement S; `None` unless each row of G selects a single dof. If S exists, `flexibility` is made
+    /// when it is first needed.
     pub(super) stiffness: Option<Schur>,
     flexibility: OnceLock<Flexibility>,
 }
 
-/// Matrices of the flexibility form (I − P̃δ)Δs + P̃Δr = d.
+/// Matrices of the flexibility form (I − P̃δ)Δs + P̃Δr = d, with increments Δs of travel and Δr of reaction.
 pub(super) struct Flexibility {
     /// The rows of G after forward substitution with the factor of K̃.
     pub(super) rows: ForwardRows,
@@ -35,22 +35,22 @@ pub(super) struct Flexibility {
 /// The form of the LCP, named by its unknowns z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// z are reactions, except at points with a stiffness δ > 0 in the factor, where z are gaps.
+    /// The unknowns z are reactions, except at points with a stiffness δ > 0 in the factor, where they are gaps.
     Dual,
-    /// z are gaps at all points.
+    /// The unknowns z are gaps at all points.
     Stiffness,
 }
 
-/// A load f, forward substituted with the factor and condensed onto the contact points.
+/// A load f after forward substitution with the factor, and condensed onto the contact points.
 pub(in crate::contact) struct ReducedLoad {
-    /// The load after forward substitution, by column of the factor.
+    /// The load after forward substitution, indexed by column of the factor.
     pub(in crate::contact) forward: Vec<f64>,
     pub(in crate::contact) rhs: CondensedRhs,
 }
 
 /// Right-hand side at the contact points, each vector (m,). `displacement` is d = GK̃⁻¹f, empty in stiffness form.
 /// `force` is f̂, empty without a Schur complement. `violation` is the distance in travel from each point to the line
-/// of its piece.
+/// of its piece of the law.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct CondensedRhs {
     pub(in crate::contact) displacement: Vec<f64>,
@@ -59,8 +59,8 @@ pub(in crate::contact) struct CondensedRhs {
 }
 
 impl Interface {
-    /// Condenses a factor of K̃ whose last `trailing` columns are contact dofs. `rows` are the rows of G by column of
-    /// the factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
+    /// Condenses a factor of K̃ whose last `trailing` columns are contact dofs. `rows` are the rows of G, indexed by
+    /// column of the factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
@@ -88,7 +88,7 @@ impl Interface {
         self.delta.len()
     }
 
-    /// The better conditioned form: `Stiffness` if each row of G selects a single dof, otherwise `Dual`.
+    /// The better conditioned form of the LCP: `Stiffness` if each row of G selects a single dof, otherwise `Dual`.
     pub(in crate::contact) fn better_form(&self) -> Form {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
@@ -102,8 +102,8 @@ impl Interface {
         Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// Condenses a residual `forward`, which is already forward substituted, onto the points. `violation` (m,) is
-    /// copied.
+    /// Condenses a residual onto the contact points; `forward` is the residual after forward substitution. `violation`
+    /// (m,) is copied.
     pub(in crate::contact) fn reduced(
         &self,
         form: Form,
@@ -118,7 +118,7 @@ impl Interface {
         Ok(ReducedLoad { forward, rhs: CondensedRhs { displacement, force, violation: violation.to_vec() } })
     }
 
-    /// Prescribes the displacements `travel` (m,) of the points in a forward substituted vector, and returns the
+    /// Prescribes the displacements `travel` (m,) of the contact points in a forward substituted load, and returns the
     /// reactions (m,) of the points. If a row of G has several dofs, the function returns an empty vector and leaves
     /// `forward` as it is.
     pub(in crate::contact) fn impose(&self, travel: &[f64], forward: &mut [f64]) -> Vec<f64> {
@@ -128,21 +128,21 @@ impl Interface {
         reaction
     }
 
-    /// Whether δ of point i equals the whole stiffness 1/`compliance` of the point.
+    /// Whether the stiffness δ that the factor includes at point i equals the stiffness 1/`compliance` of the point.
     pub(in crate::contact) fn absorbs(&self, i: usize, compliance: f64) -> bool {
         compliance > 0.0 && (1.0 - self.delta[i] * compliance).abs() < tolerances::interface::ABSORBED
     }
 
-    /// The first piece (m,) of each point, relative to which the LCP is posed. In stiffness form, for linear laws, and
-    /// where δ > 0, it is the first piece on which the force depends on the travel. At other points it is the first
-    /// horizontal piece, on which a one-sided point is open.
+    /// The first piece (m,) of each point: in the LCP, force and travel of the point are measured from this piece of
+    /// its law. In stiffness form, for linear laws, and where δ > 0, it is the first piece on which the force depends
+    /// on the travel. At other points it is the first horizontal piece, on which a one-sided point is open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())
     }
 }
 
-/// Whether every row has a single entry and no two rows have the same dof.
+/// Whether every row of G has a single entry and no two rows have the same dof.
 fn picks_single_dofs(rows: &[Vec<(usize, f64)>]) -> bool {
     let mut taken = HashSet::new();
     rows.iter().all(|row| row.len() == 1 && taken.insert(row[0].0))

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 
 pub(super) struct ForwardRows {
-    /// Number of columns of the factor before the trailing block.
+    /// Number of columns of the factor before its trailing block.
     first: usize,
     /// Entries of each row in the trailing block; column i belongs to row i of G.
     last: Mat<f64>,
@@ -29,7 +29,8 @@ struct Wide {
 }
 
 impl ForwardRows {
-    /// Forward substitutes `rows` of G, given by columns of the factor. `trailing` is the trailing block of the factor.
+    /// Forward substitutes `rows` of G, which are indexed by column of the factor. `trailing` is the trailing block of
+    /// the factor.
     pub(super) fn of(
         factor: &Factor,
         trailing: &Mat<f64>,
@@ -82,7 +83,7 @@ impl ForwardRows {
         out
     }
 
-    /// Adds the forces `force` (m,) on the contact points to a forward substituted vector.
+    /// Adds the effect of the forces `force` (m,) on the contact points to a forward substituted load.
     pub(super) fn add(&self, force: &[f64], forward: &mut [f64]) {
         let (before, last) = forward.split_at_mut(self.first);
         for (row, &force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {

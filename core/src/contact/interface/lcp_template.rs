@@ -1,11 +1,11 @@
-//! The linear complementarity problem (LCP) of contact points whose laws are monotone graphs.
+//! The linear complementarity problem (LCP) of contact points whose laws are polylines of force over travel.
 //!
 //! Each point starts on its first piece. The unknown x of a point is its force if this depends on the travel, otherwise
-//! its travel, measured from the reference point of the piece ([`Piece`]). Elimination gives x = x₀ − Σ columns z. Each
-//! vertex of a graph is a row of the LCP. At an end of the first piece, w is the distance from x to this end, and z the
-//! length travelled along the next piece. At a further vertex, w is the length of the piece before it minus the z of
-//! the vertex before. Katzenelson (1965) follows a piecewise linear monotone map in this way. For graphs of two pieces,
-//! w and z are reaction and gap.
+//! its travel, measured from the reference point of the piece ([`Piece`]). Elimination of the plate gives x = x₀ − Σ
+//! columns z. Each vertex of a polyline is a row of the LCP. At an end of the first piece, w is the distance from x to
+//! this end, and z the length travelled along the next piece. At a further vertex, w is the length of the piece before
+//! it minus the z of the vertex before. Katzenelson (1965) follows a piecewise linear monotone map in this way. For
+//! laws of two pieces, w and z are reaction and gap.
 
 use super::condensed::{CondensedRhs, Form, Interface};
 use super::motions::{FreeMotions, Work};
@@ -15,20 +15,21 @@ use crate::contact::points::Points;
 use crate::dense::{self, Lu, OutOfMemory, row_major};
 use faer::Mat;
 
-/// The LCP w = Mz + q of condensed points in one form, without q, which is affine in the load. The template does not
-/// depend on the gaps of the points.
+/// The parts of the LCP w = Mz + q of the contact points that do not depend on the load or on the gaps, in one form. q
+/// is affine in the load.
 pub struct LcpTemplate {
-    /// M (k, k), row-major, after the free motions are imposed on it.
+    /// Matrix M (k, k) of the LCP, row-major, after the free rigid motions are imposed on it.
     pub matrix: Vec<f64>,
     pub vertices: Vertices,
     elimination: Elimination,
     motions: FreeMotions,
 }
 
-/// Factored equations HΔx = b, where x are the unknowns of all points on their first pieces.
+/// Factored equations HΔx = b, where x are the unknowns (force or travel) of all points on the first pieces of their
+/// laws.
 enum Elimination {
-    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces. `None` if
-    /// all first pieces are rigid.
+    /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces of the
+    /// laws. `None` if all first pieces are rigid.
     Stiffness(Option<Lu>),
     /// H of the flexibility form. `alone` has each point whose column of H has a single entry, with this entry.
     /// `factor` is the factored block of H for the other points, `coupled`. `across` has the entries of H in rows of
@@ -37,7 +38,7 @@ enum Elimination {
 }
 
 impl Elimination {
-    /// Overwrites the right-hand sides B = `all` (m, columns) with H⁻¹B.
+    /// Overwrites the right-hand sides B = `all` (m, columns) with H⁻¹B, the solution of the factored equations.
     fn solve_in_place(&self, all: &mut Mat<f64>) -> Result<(), OutOfMemory> {
         match self {
             Self::Stiffness(None) => {}
@@ -65,7 +66,8 @@ impl LcpTemplate {
         let vertices = Vertices::of(points, interface.first_pieces(points, form));
         let piece = vertices.first_pieces(points);
         let Vertices { rows, .. } = &vertices;
-        // For each row, the change of [travel, force] along the next piece per unit of z.
+        // For each row of the LCP, the change of [travel, force] of its point per unit of z, along the piece of its law
+        // beyond the vertex.
         let along: Vec<[f64; 2]> = rows.iter().map(|row| direction(points, row)).collect();
         let (elimination, mut columns) = match form {
             Form::Stiffness if interface.stiffness.is_some() => interface.by_stiffness(&piece, rows, &along)?,
@@ -76,7 +78,8 @@ impl LcpTemplate {
             symmetrize(rows, &mut columns);
         }
         let entry = |r: usize, c: usize| match rows[r].before {
-            // x = x₀ − Σ columns z; w is the distance from x to the upper or lower end of the first piece.
+            // The unknown x of a point is x₀ − Σ columns z; w is the distance from x to the upper or lower end of the
+            // first piece of its law.
             None => rows[r].sign() * columns[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,
@@ -86,8 +89,8 @@ impl LcpTemplate {
         Ok(Self { matrix, vertices, elimination, motions })
     }
 
-    /// q (k,) of the LCP for a load, with the free motions imposed. The LCP is posed from the state with reactions
-    /// `reaction` (m,). `rhs.violation` is relative to [`Interface::first_pieces`].
+    /// Vector q (k,) of the LCP for a load, with balance in the free rigid motions imposed. The LCP is posed from the
+    /// state with reactions `reaction` (m,). `rhs.violation` has the distances to the first pieces of the laws.
     pub(in crate::contact) fn balanced_q(
         &self,
         interface: &Interface,
@@ -101,8 +104,8 @@ impl LcpTemplate {
         Ok(q)
     }
 
-    /// q (k,) of the LCP for a load, before the free motions are imposed. The LCP is posed from the state with
-    /// reactions `reaction` (m,).
+    /// Vector q (k,) of the LCP for a load, before balance in the free rigid motions is imposed. The LCP is posed from
+    /// the state with reactions `reaction` (m,).
     pub(in crate::contact) fn q(
         &self,
         interface: &Interface,
@@ -111,7 +114,8 @@ impl LcpTemplate {
         reaction: &[f64],
     ) -> Result<Vec<f64>, OutOfMemory> {
         let piece = self.vertices.first_pieces(points);
-        // A point whose first piece is horizontal changes from its present reaction to the force of that piece.
+        // A point that starts on a horizontal piece of its law changes from its present reaction to the force of this
+        // piece.
         let released: Vec<f64> =
             (0..piece.len()).map(|j| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force }).collect();
         let linear = self.linear(interface, rhs, Some(&released))?;
@@ -119,8 +123,8 @@ impl LcpTemplate {
             if !row.is_next() {
                 return end_length(points, row);
             }
-            // x is `from` plus an increment, both relative to the reference point of the first piece. An upward row
-            // needs the upper end of the piece, a downward row the lower end.
+            // x is `from` plus an increment, both relative to the reference point of the first piece of the law. A
+            // vertex above this piece is reached from its upper end, a vertex below it from its lower end.
             let (i, piece) = (row.point, piece[row.point]);
             let from = if piece.holds() { reaction[i] - piece.force } else { 0.0 };
             let [low, high] = points.ends(i, self.vertices.base[i]);
@@ -131,7 +135,7 @@ impl LcpTemplate {
         Ok(linear.into_iter().zip(&self.vertices.rows).map(length).collect())
     }
 
-    /// Change of q (k,) of the LCP for an increment of load.
+    /// Change of the vector q (k,) of the LCP for an increment of load.
     pub(in crate::contact) fn increment(
         &self,
         interface: &Interface,
@@ -174,19 +178,21 @@ impl LcpTemplate {
         Ok(self.vertices.rows.iter().map(of).collect())
     }
 
-    /// Imposes the free motions on q of a load: the reactions on the first pieces must balance the load.
+    /// Imposes balance in the free rigid motions on q: the reactions on the first pieces of the laws must balance the
+    /// load.
     pub(in crate::contact) fn balance(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance(q, rhs, work);
     }
 
-    /// Imposes the free motions on the change of q for an increment of load.
+    /// Imposes balance in the free rigid motions on the change of q for an increment of load.
     pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance_increment(q, rhs, work);
     }
 }
 
 impl Interface {
-    /// H of SΔs + Δr = f̂ with every point on its first piece, and the columns (m, k) that multiply z.
+    /// The matrix H of the stiffness form SΔs + Δr = f̂ with every point on the first piece of its law, factored, and
+    /// the columns (m, k) by which z acts on these equations.
     fn by_stiffness(
         &self,
         piece: &[Piece],
@@ -209,7 +215,8 @@ impl Interface {
         Ok((Elimination::Stiffness(Some(Lu::of(coupled)?)), columns))
     }
 
-    /// H of (I − P̃δ)Δs + P̃Δr = d with every point on its first piece, and the columns (m, k) that multiply z.
+    /// The matrix H of the flexibility form (I − P̃δ)Δs + P̃Δr = d with every point on the first piece of its law,
+    /// factored, and the columns (m, k) by which z acts on these equations.
     fn by_flexibility(
         &self,
         piece: &[Piece],
@@ -242,7 +249,7 @@ impl Interface {
     }
 }
 
-/// Makes (I + SC)⁻¹S in `columns` exactly symmetric. It is symmetric except for rounding.
+/// Removes the rounding by which (I + SC)⁻¹S in `columns` differs from a symmetric matrix.
 fn symmetrize(rows: &[VertexRow], columns: &mut Mat<f64>) {
     let gap = |i: usize| rows.iter().position(|row| row.point == i && row.kind == Kind::Gap);
     let of_point: Vec<Option<usize>> = (0..columns.nrows()).map(gap).collect();

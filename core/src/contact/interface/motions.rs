@@ -16,7 +16,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef};
 
 /// Work of a load in each free rigid motion (`sum`), and the sum of the magnitudes of the terms of this work (`size`).
-/// Internal forces do no work in a free motion.
+/// Internal forces do no work in a rigid motion.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     pub sum: Vec<f64>,
@@ -34,30 +34,30 @@ impl Work {
     }
 }
 
-/// Data for imposing the free motions that do not depend on the load.
+/// Data for imposing the free rigid motions on M and q; they do not depend on the load.
 pub(super) struct FreeMotions {
-    /// `moves` is N_J, the displacements under the free motions at the LCP rows J whose z is a gap. `dual` is
+    /// `moves` is N_J, the displacements under the free rigid motions at the LCP rows J whose z is a gap. `dual` is
     /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
     moves: Mat<f64>,
     dual: Mat<f64>,
     /// Contact point of each LCP row whose z is a gap (rows J), then of each row whose z is a reaction (rows O).
     paired: Vec<usize>,
-    /// Work, in each free motion, of the reactions that the points have at z = w = 0.
+    /// Work, in each free rigid motion, of the reactions that the points have at z = w = 0 in the LCP.
     known: Vec<f64>,
-    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free motions are
-    /// imposed.
+    /// Σ_c |M_rc| for each LCP row r whose z is a gap, over the columns c whose z is a gap, before the free rigid
+    /// motions are imposed on M.
     held: Vec<f64>,
-    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected. If M is the Schur complement S, it is not:
-    /// without projection S keeps more digits of its soft modes.
+    /// Whether M_JJ, the block of M for rows whose z is a gap, is projected off the free rigid motions. If M is the
+    /// Schur complement S, it is not: without projection S keeps more digits of its soft modes.
     projected: bool,
-    /// Each pair of rows for the two ends of one first piece: (row of the upper end, row of the lower end, length of
-    /// the piece).
+    /// For each point the first piece of whose law is between two horizontal pieces: (row of the upper end, row of the
+    /// lower end, length of the piece). These two rows of M differ only in sign.
     mirrored: Vec<(usize, usize, f64)>,
 }
 
 impl Interface {
-    /// Imposes the free motions on M, with N, J, O as in the module: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ.
-    /// M_OJ gets the least change for which M_OJ N_J = N_O.
+    /// Imposes the free rigid motions on M, with N, J, O as defined at the top of this file: M_JJ ← QM_JJQᵀ with Q = I
+    /// − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ. M_OJ gets the least change for which M_OJ N_J = N_O.
     pub(super) fn impose_motions(
         &self,
         points: &Points,
@@ -81,7 +81,8 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // The weights are δ, so that the correction of an entry at a soft point is not larger than the entry.
+        // The projection has the weights δ, so that the correction of an entry at a soft point is not larger than the
+        // entry.
         let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
@@ -99,7 +100,7 @@ impl Interface {
         subtract_product(&mut within, dual, across.as_ref());
         let along = &within * n;
         subtract_product(&mut within, &along, dual.transpose());
-        // If the projection reduces a diagonal entry to rounding, its row and column count as zero.
+        // If the projection reduces a diagonal entry of M to rounding, its row and column count as zero.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
@@ -128,8 +129,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Only rows at an end of the first piece depend on x. Rows of further vertices depend on z of the vertex
-            // before them.
+            // Only LCP rows at an end of the first piece of a law depend on the unknown x of their point. Rows of
+            // further vertices depend on z of the vertex before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -137,7 +138,8 @@ impl Interface {
         Ok(motions)
     }
 
-    /// `travel` (m,) of the points minus the nearest free motion in least squares. A free motion causes no reactions.
+    /// Displacements `travel` (m,) of the points minus the nearest free rigid motion in least squares. A free motion
+    /// causes no reactions.
     pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
         let n = &self.moves;
         if n.ncols() == 0 {
@@ -151,13 +153,14 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Changes q so that the reactions on the first pieces balance the load. Entries that are only rounding become
-    /// zero.
+    /// Changes q so that the reactions on the first pieces of the laws balance the load in the free rigid motions.
+    /// Entries that are only rounding become zero.
     pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
-    /// Changes the increment of q so that the increments of reaction balance the increment of load.
+    /// Changes the increment of q so that the increments of reaction balance the increment of load in the free rigid
+    /// motions.
     pub(super) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }
@@ -167,7 +170,7 @@ impl FreeMotions {
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // A point with a large gap does not change the tolerance at other points.
+            // A large gap of one point changes the tolerance for a zero gap at this point only.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }

@@ -12,18 +12,18 @@ pub(in crate::contact) struct Response {
     pub(in crate::contact) travel: Vec<f64>,
 }
 
-/// The factored condensed equations of a contact state.
+/// The condensed equations of a contact state, factored.
 pub(in crate::contact) struct OnPieces {
     piece: Vec<Piece>,
-    /// Points whose column of the equations has more than one entry. Only their equations are factored.
+    /// Contact points whose column in the equations has more than one entry. Only their equations are factored.
     coupled: Vec<usize>,
     factor: Made,
 }
 
 enum Made {
     Nothing,
-    /// Schur complement S plus the stiffness of the pieces on the diagonal, for the points that are not on rigid
-    /// pieces.
+    /// Schur complement S plus the stiffness of the pieces of the laws on the diagonal, for the points that are not on
+    /// rigid pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }
@@ -61,7 +61,7 @@ impl Interface {
         Ok(factor.map(|factor| OnPieces { piece, coupled, factor }))
     }
 
-    /// Increments of reactions and travels of the points for the right-hand side `right`.
+    /// Increments of reaction and travel of the contact points for the right-hand side `right`.
     pub(in crate::contact) fn solve_on(&self, on: &OnPieces, right: &CondensedRhs) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => Ok(solve_by_stiffness(&stiffness.matrix, on, right)),
@@ -69,7 +69,7 @@ impl Interface {
         }
     }
 
-    /// Applies the increments of travel and reaction of the points to a forward substituted right-hand side.
+    /// Applies the increments of travel and reaction of the contact points to a forward substituted load.
     pub(in crate::contact) fn follow(&self, response: &Response, forward: &mut [f64]) -> Result<(), OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => stiffness.prescribe(&response.travel, forward),
@@ -88,8 +88,8 @@ impl Interface {
         if i == j { 1.0 + through } else { through }
     }
 
-    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j. c is the compliance of point j,
-    /// whose force depends on its travel.
+    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j; c is the compliance of point j. The
+    /// force of this point depends on its travel.
     pub(super) fn holding_entry(&self, p: MatRef<'_, f64>, compliance: f64, i: usize, j: usize) -> f64 {
         let absorbed = self.absorbs(j, compliance);
         let through = if absorbed { 0.0 } else { p[(i, j)] * (1.0 - self.delta[j] * compliance) };

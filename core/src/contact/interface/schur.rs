@@ -46,8 +46,8 @@ impl Schur {
         force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
     }
 
-    /// Prescribes the displacements `moved` (m,) of the points in a forward substituted vector. Its part in the
-    /// trailing block becomes z = Lᵀu, with u the displacements of the contact dofs.
+    /// Prescribes the displacements `moved` (m,) of the points in a forward substituted load. Its part in the trailing
+    /// block becomes z = Lᵀu, with u the displacements of the contact dofs.
     pub(super) fn prescribe(&self, moved: &[f64], forward: &mut [f64]) {
         let size = self.trailing.nrows();
         let mut on_dofs = vec![0.0; size];

@@ -1,25 +1,27 @@
-//! The vertices of the graphs of contact points. Each vertex is a row of the linear complementarity problem (LCP).
+//! The vertices of the laws of contact points. Each vertex is a row of the linear complementarity problem (LCP).
 
 use crate::contact::graph::Piece;
 use crate::contact::points::Points;
 
-/// The rows of the LCP: the vertices of the graphs of all points, seen from the first piece of each point.
+/// The rows of the LCP: one for each vertex of the law of each contact point. A row describes the motion of a point
+/// past this vertex, away from its first piece.
 pub struct Vertices {
-    /// The k rows, ordered by their unknown z: gaps of points that start in contact, reactions of points that start
-    /// open, then further vertices.
+    /// The k rows, ordered by kind of their unknown z: gaps of points that start in contact, reactions of points that
+    /// start open, then further vertices.
     pub rows: Vec<VertexRow>,
-    /// For each point (m,), the number of its first piece, on which the point starts.
+    /// For each point (m,), the number of its first piece: the piece of the law on which it starts in the LCP.
     pub(super) base: Vec<u8>,
 }
 
-/// A row of the LCP: one vertex of the graph of one point.
+/// A row of the LCP: one vertex of the law of one contact point.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexRow {
     pub point: usize,
     vertex: u8,
-    /// Whether the vertex lies above the first piece of its point.
+    /// Whether the vertex lies above the first piece of its law, at larger travel or force.
     pub(super) upward: bool,
-    /// The row of the next vertex towards the first piece; `None` if the vertex is an end of the first piece.
+    /// The row of the next vertex towards the first piece of the law; `None` if the vertex is an end of the first
+    /// piece.
     pub(super) before: Option<usize>,
     pub(super) kind: Kind,
 }
@@ -27,21 +29,21 @@ pub struct VertexRow {
 /// Kind of the unknown z of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// z is the gap of a point that starts in contact.
+    /// The unknown z is the gap of a point that starts in contact.
     Gap,
-    /// z is the reaction of a point that starts open.
+    /// The unknown z is the reaction of a point that starts open.
     Reaction,
     Other,
 }
 
 impl VertexRow {
-    /// Whether w of the row is a force: on the piece between the vertex and the first piece, the force depends on the
-    /// travel.
+    /// Whether w of the row is a force. It is if the force depends on the travel on the piece just before the vertex,
+    /// seen from the first piece of the law.
     pub fn w_is_a_force(&self, points: &Points) -> bool {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
 
-    /// Whether the vertex is an end of the first piece of its point.
+    /// Whether the vertex is an end of the first piece of its law.
     pub(super) fn is_next(&self) -> bool {
         self.before.is_none()
     }
@@ -57,7 +59,7 @@ impl VertexRow {
 }
 
 impl Vertices {
-    /// The contact state (pieces, (m,)) for a basis (k,), which is true where z is basic.
+    /// The contact state (pieces of the laws, (m,)) for a basis (k,) of the LCP, which is true where z is basic.
     pub fn pieces(&self, basis: &[bool]) -> Vec<u8> {
         let mut pieces = self.base.clone();
         for (row, _) in self.rows.iter().zip(basis).filter(|(_, basic)| **basic) {
@@ -70,7 +72,7 @@ impl Vertices {
         pieces
     }
 
-    /// The basis (k,), true where z is basic, for a contact state `pieces` (m,).
+    /// The basis (k,) of the LCP, true where z is basic, for a contact state `pieces` (m,).
     pub fn basis(&self, pieces: &[u8]) -> Vec<bool> {
         let passed = |row: &VertexRow| {
             if row.upward { pieces[row.point] > row.vertex } else { pieces[row.point] <= row.vertex }
@@ -78,17 +80,17 @@ impl Vertices {
         self.rows.iter().map(passed).collect()
     }
 
-    /// Number of rows whose z is a gap; these are the first rows.
+    /// Number of LCP rows whose z is a gap; these are the first rows.
     pub(super) fn gaps(&self) -> usize {
         self.rows.iter().filter(|row| row.kind == Kind::Gap).count()
     }
 
-    /// Number of rows whose z is a gap or a reaction; the rows of further vertices follow.
+    /// Number of LCP rows whose z is a gap or a reaction; the rows of further vertices follow.
     pub(super) fn paired(&self) -> usize {
         self.rows.iter().filter(|row| row.kind != Kind::Other).count()
     }
 
-    /// Force (m,) of each point on its first piece at z = 0 and w = 0.
+    /// Force (m,) of each point on the first piece of its law at z = 0 and w = 0 in the LCP.
     pub(super) fn reference_forces(&self, points: &Points) -> Vec<f64> {
         let force = |i: usize| match (points.is_straight(i), points.piece(i, self.base[i]).holds()) {
             (false, true) => points.ends(i, self.base[i])[0].map_or(0.0, |end| end[1]),
@@ -98,8 +100,8 @@ impl Vertices {
         (0..points.len()).map(force).collect()
     }
 
-    /// For each first piece between two horizontal pieces: (row of the upper end, row of the lower end, length of the
-    /// piece in force).
+    /// For each point the first piece of whose law is between two horizontal pieces: (row of the upper end, row of the
+    /// lower end, length of the piece in force).
     pub(super) fn mirrored(&self, points: &Points) -> Vec<(usize, usize, f64)> {
         let upper = self.rows.iter().enumerate().filter(|(_, row)| {
             let flat = row.upward && !points.piece(row.point, row.vertex + 1).holds();
@@ -154,8 +156,8 @@ impl Vertices {
     }
 }
 
-/// Change of [travel, force] of a point along the next piece, per unit of z. z is a force if the force depends on the
-/// travel on that piece, otherwise a travel.
+/// Change of [travel, force] of a point along the piece of its law beyond the vertex of a row, per unit of z. z is a
+/// force if the force depends on the travel on that piece, otherwise a travel.
 pub(super) fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };

@@ -12,18 +12,18 @@ use std::pin::{Pin, pin};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-/// The vector by which one load and the batch communicate.
+/// The vector that one load and the batch exchange.
 #[derive(Default)]
 enum Exchange {
     #[default]
     Empty,
-    /// Nodal forces (3n,) of the load.
+    /// Nodal forces (3n,) for which the load waits to be solved.
     Forces(Vec<f64>),
     /// Displacements (3n,) under these forces.
     Displacements(Vec<f64>),
 }
 
-/// The shared factor, for one load.
+/// Access of one load to the shared factor.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct SharedFactor(Arc<Mutex<Exchange>>);
 
@@ -32,7 +32,7 @@ impl SharedFactor {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The displacements (3n,) under nodal forces (3n,). Suspends the load until the batch has solved.
+    /// The displacements (3n,) under nodal forces (3n,). Suspends the load until the batch has solved for these forces.
     pub(super) async fn solve(&self, forces: &[f64]) -> Vec<f64> {
         *self.exchange() = Exchange::Forces(forces.to_vec());
         poll_fn(|_| {
@@ -49,7 +49,7 @@ impl SharedFactor {
     }
 }
 
-/// A load of the batch: its index, its method, and the shared factor as the method sees it.
+/// A load of the batch: its index, its method, and its access to the shared factor.
 pub(in crate::contact) struct Batched<'a, T> {
     pub(in crate::contact) number: usize,
     pub(in crate::contact) method: Pin<Box<dyn Future<Output = T> + Send + 'a>>,

@@ -29,7 +29,7 @@ impl<'a> CoarseSolver<'a> {
     }
 
     /// The rigid motions for which the forces of springs and points balance the resultants of a residual, and the
-    /// increments of reaction.
+    /// increments of reaction that these motions cause.
     pub(super) fn response(&self, right: &Residual) -> Correction {
         let Self { rigid_space, compliance, matrix } = self;
         let mut forces = rigid_space.resultants(&right.imbalance);

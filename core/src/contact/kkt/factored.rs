@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(in crate::contact) struct Direction {
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) force: Vec<f64>,
-    /// Whether the displacement is free of resistance in the present contact state: then its length is undefined.
+    /// Whether no support resists the displacement in the present contact state; its length is then undefined.
     pub(in crate::contact) is_free: bool,
 }
 
@@ -32,7 +32,7 @@ impl Direction {
     }
 }
 
-/// A factor and the augmentation compliances of a penalty.
+/// A factor of K with springs at the contact points, and the augmentation compliances for a penalty.
 pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) problem: &'a ContactProblem,
     pub(in crate::contact) augmentation: &'a Augmentation,
@@ -40,18 +40,18 @@ pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) limit: f64,
     /// Compliance σ (m,) in series with each point, 1/(penalty · reference stiffness) in the method of multipliers.
     pub(in crate::contact) series: Vec<f64>,
-    /// The factor given at the start; `None` if it is that of the problem.
+    /// The factor given at the start; `None` for the factor of the problem.
     given: Option<&'a Arc<System>>,
     /// A factor made later, for another contact state.
     own: Option<Arc<System>>,
     /// The given factor, if several loads share it.
     shared: Option<SharedFactor>,
-    /// Last direction with the present factor, unless the factor is shared.
+    /// Last conjugate gradient direction with the present factor; `None` if the factor is shared.
     pub(super) last: Option<Direction>,
-    /// The prepared contact state.
+    /// The contact state for which the solver is prepared.
     pub(super) pieces: Vec<u8>,
     pub(super) coarse: Option<CoarseSolver<'a>>,
-    /// Number of conjugate gradient steps, and number of factorizations.
+    /// Number of conjugate gradient steps and number of factorizations since the start.
     pub(in crate::contact) gradients: usize,
     pub(in crate::contact) factorizations: usize,
 }
@@ -97,7 +97,7 @@ impl<'a> Factored<'a> {
         self.kept().map_or(&self.problem.base, |system| system)
     }
 
-    /// The present factor; `None` if it is that of the problem.
+    /// The present factor; `None` if it is the factor of the problem.
     pub(in crate::contact) fn kept(&self) -> Option<&Arc<System>> {
         self.own.as_ref().or(self.given)
     }
@@ -112,8 +112,8 @@ impl<'a> Factored<'a> {
         self.problem.points.piece(i, piece).in_series(self.series[i])
     }
 
-    /// Factors the matrix of a contact state. If it is singular, adds soft springs at the other points. Keeps the old
-    /// factor if both fail.
+    /// Factors K with the springs of a contact state. If this matrix is singular, soft springs are added at points
+    /// whose force does not depend on the travel. If that fails too, the old factor stays.
     pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();
@@ -149,14 +149,16 @@ impl<'a> Factored<'a> {
             + (0..pieces.len()).map(spring).sum::<f64>()
     }
 
-    /// Points whose factored spring differs from that of the contact state, and difference of the stiffness.
+    /// The contact points whose spring in the factor differs from that of the contact state, each with the difference
+    /// of stiffness.
     pub(in crate::contact) fn differing(&self, pieces: &[u8]) -> Vec<(usize, f64)> {
         let carried = &self.system().carried;
         let difference = |i: usize| self.slope(i, pieces[i]) - carried[i];
         (0..pieces.len()).map(|i| (i, difference(i))).filter(|&(_, d)| d != 0.0).collect()
     }
 
-    /// Σ Δk g (g·v) over the points `differing`.
+    /// Nodal forces Σ Δk g (g·v) (3n,) under the displacements v = `vector`: sum over the points `differing`, with row
+    /// g of G and difference Δk of stiffness.
     pub(super) fn difference(&self, differing: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
         let points = &self.problem.points;
         let mut out = vec![0.0; vector.len()];
@@ -167,7 +169,7 @@ impl<'a> Factored<'a> {
         out
     }
 
-    /// Solves with the present factor.
+    /// The displacements under the nodal forces `imbalance` (3n,), by the present factor.
     pub(super) async fn response(&self, imbalance: &[f64]) -> Result<Direction, FactorError> {
         let nodal = match &self.shared {
             Some(factor) if self.shares() => factor.solve(imbalance).await,

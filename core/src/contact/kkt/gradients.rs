@@ -1,8 +1,8 @@
 //! Preconditioned conjugate gradients for the equations of a contact state. The preconditioner is a factor with the
 //! springs of another contact state.
 //!
-//! Few points change their piece from one Newton step to the next. Therefore the last direction is deflated (Saad,
-//! Yeung, Erhel & Guyomarc'h 2000), and the iteration continues from state to state.
+//! Few points change their piece of the law from one Newton step to the next. Therefore the last direction is deflated
+//! (Saad, Yeung, Erhel & Guyomarc'h 2000), and the iteration continues from state to state.
 
 use super::factored::{Direction, Factored};
 use crate::cholesky::FactorError;
@@ -11,17 +11,17 @@ use crate::contact::scale::dot;
 use crate::contact::tolerances;
 
 /// Number of conjugate gradient steps before a new factorization, which costs about as much. With a shared factor a
-/// step is cheaper, and the number is `SHARED` times as large. The saddle-point method uses no conjugate gradients
-/// before it, since springs differ too much.
+/// step is cheaper, and the number is `SHARED` times as large. The saddle-point method factors at once, since the
+/// springs of two contact states differ too much.
 pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
-/// Largest number of steps if the contact state cannot be factored.
+/// Largest number of conjugate gradient steps if the contact state cannot be factored.
 const MOST: usize = 500;
 
-/// The equations of one contact state.
+/// The linear equations of one contact state, and the accuracy of their solution.
 pub(in crate::contact) struct Equations<'e> {
     pub(in crate::contact) pieces: &'e [u8],
-    /// Right side (3n,).
+    /// Right-hand side (3n,): residual nodal forces.
     pub(in crate::contact) imbalance: &'e [f64],
     /// Norm of the residual at which the iteration ends.
     pub(in crate::contact) enough: f64,
@@ -37,7 +37,8 @@ struct Deflated {
 }
 
 impl Deflated {
-    /// The last direction of `kkt`, unless it has little curvature on the contact state.
+    /// The last direction of `kkt`, for deflation. `None` if the energy has little curvature along it on this contact
+    /// state.
     fn last(kkt: &mut Factored<'_>, differing: &[(usize, f64)]) -> Option<Self> {
         let direction = kkt.last.take().filter(|_| !differing.is_empty())?;
         let mut force = kkt.difference(differing, &direction.nodal);
@@ -48,8 +49,8 @@ impl Deflated {
     }
 }
 
-/// Solves the equations of a contact state. Factors the state if many stiff points differ from the factor, or if the
-/// iteration is slow.
+/// Solves the equations of a contact state by conjugate gradients. The matrix is factored anew if the springs of many
+/// stiff points differ from the factor, or if the iteration is slow.
 pub(in crate::contact) async fn direction(
     kkt: &mut Factored<'_>,
     equations: &Equations<'_>,
@@ -61,8 +62,8 @@ pub(in crate::contact) async fn direction(
     };
     let differing = kkt.differing(equations.pieces);
     let deflated = if equations.deflates { Deflated::last(kkt, &differing) } else { None };
-    // Each differing stiff point takes about one step. With the first penalty the springs of these points are soft
-    // relative to the plate and take fewer.
+    // Each stiff point whose spring differs takes about one step. With the first penalty the springs of these points
+    // are soft relative to the plate and take fewer.
     let stiff = differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
     if stiff <= most || kkt.limit <= kkt.augmentation.first_penalty {
         if let (direction, true) = iterate(kkt, equations, &differing, deflated, most).await? {
@@ -74,8 +75,8 @@ pub(in crate::contact) async fn direction(
     Ok(iterate(kkt, equations, &differing, None, MOST).await?.0)
 }
 
-/// Iterates from zero. Returns the direction, and false if it has not converged after `most` steps. `differing` are the
-/// points whose springs differ from the factored springs, with the differences.
+/// Iterates conjugate gradients from zero. Returns the direction, and false if it has not converged after `most` steps.
+/// `differing` are the points whose springs differ from the factored springs, with the differences.
 async fn iterate(
     kkt: &mut Factored<'_>,
     equations: &Equations<'_>,
@@ -118,7 +119,7 @@ async fn iterate(
             curvature = kkt.curvature(equations.pieces, &ahead.nodal);
         }
         if !(curvature > tolerances::newton::FREE * stiff) {
-            // No direction balances the load until the next points come into contact. The line search ends there.
+            // No support resists this direction until the next points come into contact, where the line search ends.
             return Ok((Direction { is_free: true, ..ahead }, true));
         }
         let alpha = next / curvature;

@@ -13,12 +13,12 @@ pub(in crate::contact) trait Kkt {
     fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError>;
 
     /// The rigid motions of plates without held dofs that balance a residual, and the increments of reaction that these
-    /// motions cause. They are applied before the rest of the correction, and added exactly.
+    /// motions cause. They precede the rest of the correction and are added without rounding.
     fn rigid(&self, _right: &Residual) -> Option<Correction> {
         None
     }
 
-    /// Whether the forces that the next correction would add for the violations are rounding relative to `force`.
+    /// Whether the forces by which the next correction would remove the violations are rounding relative to `force`.
     fn is_settled(&self, _right: &Residual, _force: f64) -> bool {
         true
     }

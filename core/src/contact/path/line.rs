@@ -4,7 +4,7 @@ use crate::contact::points::Points;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// Solutions `ends` on a fixed contact state at the two load factors `at`. Between them the solution is linear in t.
+/// Solutions `ends` on a fixed contact state, at the two load factors `at`. The solution is linear in t.
 pub(super) struct Line<'a> {
     pub points: &'a Points,
     pub at: [f64; 2],
@@ -22,14 +22,14 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// Reference size for the distance of point i from an end of its piece: a force if the force depends on the travel
-    /// on this piece, otherwise a travel.
+    /// Reference size for the distance of point i from an end of its piece of the law: a force if the force depends on
+    /// the travel on this piece, otherwise a travel.
     pub fn of(&self, points: &Points, i: usize, piece: u8) -> f64 {
         if points.piece(i, piece).holds() { self.force[i] } else { self.travel[i] }
     }
 }
 
-/// The lower or upper end of the piece of the law on which a contact point is.
+/// The lower or upper end of the piece of its law on which a contact point is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Breakpoint {
     pub point: usize,
@@ -37,13 +37,13 @@ pub(super) struct Breakpoint {
 }
 
 impl Breakpoint {
-    /// Number of the piece beyond this end; `pieces` is the contact state.
+    /// Number of the piece of the law beyond this end; `pieces` is the contact state (m,).
     pub fn beyond(self, pieces: &[u8]) -> u8 {
         if self.is_upper { pieces[self.point] + 1 } else { pieces[self.point] - 1 }
     }
 }
 
-/// The lower and upper ends of the present pieces of all points, without ends at infinity.
+/// The lower and upper ends of the pieces of the laws on which the points are, without ends at infinity.
 pub(super) fn breakpoints(points: &Points, pieces: &[u8]) -> Vec<Breakpoint> {
     let of = |point: usize| {
         let [low, high] = points.ends(point, pieces[point]);
@@ -68,7 +68,8 @@ impl Line<'_> {
         breakpoints(self.points, self.pieces())
     }
 
-    /// Distance of a point from an end of its piece, divided by the reference size, in solution 0 or 1 of the line.
+    /// Distance of a point from an end of its piece of the law in solution 0 or 1 of the line, divided by the reference
+    /// size.
     pub fn value(&self, end: usize, Breakpoint { point: i, is_upper }: Breakpoint) -> f64 {
         let state = self.ends[end].state(i);
         let inside = self.points.signed_distance(i, state, is_upper).expect("an end");
@@ -76,8 +77,8 @@ impl Line<'_> {
         if size > 0.0 { inside / size } else { 0.0 }
     }
 
-    /// Decrease, from solution 0 to solution 1 of the line, of the scaled distance of a point from an end of its piece.
-    /// It is 0 if the decrease is rounding.
+    /// Decrease of the distance of a point from an end of its piece of the law, divided by the reference size, from
+    /// solution 0 to solution 1 of the line. It is 0 if the decrease is rounding.
     pub fn fall(&self, breakpoint: Breakpoint) -> f64 {
         let fall = self.value(0, breakpoint) - self.value(1, breakpoint);
         if fall.abs() > tolerances::path::STILL { fall } else { 0.0 }
@@ -89,7 +90,7 @@ impl Line<'_> {
         travel(a, b) * (to - from) / (self.at[1] - self.at[0])
     }
 
-    /// Whether all points are within the bounds of their pieces at the values `from` and `to` of t.
+    /// Whether all points are within the bounds of their pieces of the laws at the values `from` and `to` of t.
     pub fn signs_are_feasible(&self, from: f64, to: f64) -> bool {
         let parts = [self.part(from), self.part(to)];
         self.breakpoints().into_iter().all(|breakpoint| {
@@ -108,7 +109,7 @@ impl Line<'_> {
         solution
     }
 
-    /// The ends of pieces that points pass when the contact state changes to `next`.
+    /// The ends of their present pieces of the laws that points pass when the contact state changes to `next`.
     pub fn crossed(&self, next: &[u8]) -> Vec<Breakpoint> {
         let leaves = |breakpoint: &Breakpoint| {
             let (from, to) = (self.pieces()[breakpoint.point], next[breakpoint.point]);
@@ -117,8 +118,8 @@ impl Line<'_> {
         self.breakpoints().into_iter().filter(leaves).collect()
     }
 
-    /// The t at which points reach the ends `crossed` of their pieces. `None` unless this t differs by less than
-    /// `within` from `seen`, the t from pivoting.
+    /// The t at which points reach the ends `crossed` of their pieces of the laws. `None` unless this t differs by less
+    /// than `within` from `seen`, the t from pivoting.
     pub fn root(&self, crossed: &[Breakpoint], seen: f64, within: f64) -> Option<f64> {
         let span = self.at[1] - self.at[0];
         let falling = crossed.iter().copied().filter(|&breakpoint| self.fall(breakpoint) > 0.0);

@@ -19,7 +19,8 @@ pub struct PathLoad<'a> {
 #[derive(Clone, Copy)]
 pub struct Stop<'a> {
     pub t: f64,
-    /// Points that change their piece at this stop. The list is empty at the start and at the end of the path.
+    /// Points that change their piece of the law at this stop. The list is empty at the start and at the end of the
+    /// path.
     pub switched: &'a [usize],
     /// The solution at this stop; its `piece` is the contact state after the stop.
     pub solution: &'a ContactSolution,

@@ -1,5 +1,5 @@
 //! The path of solutions under the load f₀ + t f₁ for growing t ≥ 0. It is piecewise linear, with an event wherever
-//! points change their piece.
+//! contact points change their piece of the law.
 //!
 //! For condensed points the path is traced by parametric pivoting of their LCP, for the Newton method from event to
 //! event. On one contact state everything is linear in t, and the next event is the first t at which a point reaches an

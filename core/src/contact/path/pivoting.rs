@@ -34,7 +34,8 @@ impl PathTracer<'_> {
                 far if far.is_finite() => far,
                 _ => segment.from + self.span(segment.from),
             };
-            // On a short line all changes would be rounding, so a line is at least `SHORT` times a step (`span`) long.
+            // On a short line all changes would be rounding. So a line has at least `SHORT` times the length of a step
+            // (`span`) in t.
             let (span, reach) = (self.span(t), |from: f64| far.max(from + tolerances::path::SHORT * self.span(from)));
             let line = match self.standing_on(recorder.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
@@ -50,7 +51,8 @@ impl PathTracer<'_> {
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
-            // If no point approaches the end of its piece, the basis changed by rounding, which is no event.
+            // If no point approaches an end of its piece of the law, the basis changed because of rounding, and there
+            // is no event.
             let real = |line: &Line<'_>| {
                 next.is_none_or(|next| line.crossed(next).into_iter().any(|breakpoint| line.fall(breakpoint) > 0.0))
             };

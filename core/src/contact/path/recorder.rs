@@ -5,7 +5,7 @@ use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
-/// The solution at the end of the last line, and the reference sizes of the line.
+/// The solution at the end of the last line of the path, and the reference sizes of this line.
 struct Arrival {
     solution: ContactSolution,
     scales: Scales,
@@ -26,7 +26,7 @@ impl<'a> PathRecorder<'a> {
         Self { visit, arrived: Arrival { solution: first, scales }, begun: false }
     }
 
-    /// The stored solution: that at the end of the last line (segment) of the path.
+    /// The stored solution, at the end of the last line (segment) of the path.
     pub fn here(&self) -> &ContactSolution {
         &self.arrived.solution
     }
@@ -44,14 +44,14 @@ impl<'a> PathRecorder<'a> {
         let between = self.arrived.jump_to(&begin, line);
         if !self.begun {
             self.begun = true;
-            // Without contact the position of the plate is not unique; the path then starts with the solution on its
-            // first line.
+            // If no point is in contact, the position of the plate is not unique; the path then starts with the
+            // solution on its first line.
             let begin = if between.is_some() { begin } else { ContactSolution { piece: begin.piece, ..here.clone() } };
             return (self.visit)(Stop { t, switched: &[], solution: &begin });
         }
         let Some(between) = between else {
             let switched = differing(&here.piece, &begin.piece);
-            // If no point changes its piece, the event is not reported.
+            // If no point changes its piece of the law, the event is not reported.
             return switched.is_empty() || (self.visit)(Stop { t, switched: &switched, solution: &begin });
         };
         let start = ContactSolution { piece: between.clone(), ..here.clone() };
@@ -79,7 +79,7 @@ impl Arrival {
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.piece, &begin.piece).iter().any(jumps).then(|| {
             let stays = |i: usize| here.piece[i] == begin.piece[i];
-            // During the jump a point is on a piece that contains its states before and after the jump.
+            // During the jump a point is on a piece of its law that contains its states before and after the jump.
             let is_on = |i: usize| {
                 let piece = line.points.piece(i, here.piece[i]);
                 if piece.holds() {

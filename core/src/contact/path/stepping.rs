@@ -8,8 +8,8 @@ use crate::contact::error::SolveError;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// Largest number of trials for the contact state after an event. In each trial the points that leave their pieces
-/// change to the adjacent piece.
+/// Largest number of trials for the contact state after an event. After each trial the points that would leave their
+/// pieces of the laws change to the adjacent pieces.
 const ROUNDS: usize = 20;
 
 /// Largest number of times that a line without events is made longer.
@@ -26,7 +26,8 @@ impl<'a> PathTracer<'a> {
             let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             };
-            // If a contact state occurs again at the same t, rounding alone decides which points close.
+            // If a contact state occurs again at the same t, rounding alone decides which points close; the path then
+            // ends.
             if spent.contains(&line.ends[0].piece) {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             }
@@ -43,7 +44,8 @@ impl<'a> PathTracer<'a> {
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // The line is made longer, since extrapolation beyond its end is less exact than interpolation.
+                // The line is made longer up to the event: interpolation on the line is more exact than extrapolation
+                // beyond its end.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
                     (to, breakpoints) = self.next_event(&line, t);
@@ -123,8 +125,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The ends of pieces that points pass directly after the start of the line. `None` if a point is beyond the bounds
-    /// of its piece at the start.
+    /// The ends of their present pieces of the laws that points pass directly after the start of the line. `None` if a
+    /// point is beyond the bounds of its piece at the start.
     fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
         for breakpoint in line.breakpoints() {
@@ -139,8 +141,8 @@ impl<'a> PathTracer<'a> {
         Some(wrong)
     }
 
-    /// The smallest t ≥ `from` at which points reach ends of their pieces, and these ends. t is infinite if there is no
-    /// event.
+    /// The smallest t ≥ `from` at which points reach ends of their present pieces of the laws, and these ends. t is
+    /// infinite if there is no event.
     fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
         let roots: Vec<(f64, Breakpoint)> = line

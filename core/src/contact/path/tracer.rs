@@ -15,7 +15,7 @@ use crate::contact::solution::{ContactSolution, Progress, Watch, differing};
 use crate::contact::solve::Settings;
 use crate::contact::tolerances;
 
-/// The path tracer for one load.
+/// Tracer of the path of solutions under one load f₀ + t f₁.
 pub(super) struct PathTracer<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
@@ -64,8 +64,7 @@ impl<'a> PathTracer<'a> {
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, SolveError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
-        // Reference sizes have lower bounds, for a load that causes hardly any reactions and for a plate that hardly
-        // deflects.
+        // Reference sizes have lower bounds: a load may cause hardly any reactions, and a plate may hardly deflect.
         let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
@@ -81,8 +80,8 @@ impl<'a> PathTracer<'a> {
         Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
-    /// The same displacements with the contact state `pieces`. `None` unless every changed point is at the common end
-    /// of its old and its new piece.
+    /// The solution with the same displacements on the contact state `pieces`. `None` unless every point that changes
+    /// its piece is at the common end of its old and its new piece of the law.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
@@ -105,7 +104,8 @@ impl<'a> PathTracer<'a> {
         Some(same)
     }
 
-    /// Reference force of the load at t: the largest nodal force of f₀ plus span(t) times that of f₁.
+    /// Reference force of the load at t: the largest nodal force of f₀ plus a step of t (`span`) times the largest
+    /// nodal force of f₁.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
@@ -130,7 +130,8 @@ impl<'a> PathTracer<'a> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // If bases of springs or held dofs have moved, points in contact have gaps that are only rounding.
+        // If prescribed displacements of springs or held dofs move the plate, points in contact have gaps by rounding,
+        // up to `least`.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
@@ -140,7 +141,8 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // If a plate has a free rigid motion, its first motion is not proportional to the load, but its bending is.
+            // If a plate has a free rigid motion, only its displacement from half the load to the whole load is
+            // proportional to the load.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
@@ -151,14 +153,14 @@ impl<'a> PathTracer<'a> {
         Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
-    /// Largest nodal force of f₀, and of f₁; a couple counts as couple/arm.
+    /// Largest nodal force of f₀, and of f₁; nodal couples are divided by the element size.
     fn parts(&self) -> [f64; 2] {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
     /// Reference sizes of the points. The reference force is `force`, or for a soft spring its reference travel divided
     /// by its compliance, if that is smaller. Travel and reaction then have equal weight where a point changes its
-    /// piece.
+    /// piece of the law.
     fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
         let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
@@ -199,9 +201,9 @@ impl<'a> PathTracer<'a> {
 
 impl ContactProblem {
     /// Traces the path and calls `visit` at every stop; if `visit` returns false, the path ends. `watch` is called at
-    /// every step of a solve and may cancel.
+    /// every step of a solve and may cancel the path.
     ///
-    /// The first stop is the solution at t = 0. Without a solution there, `visit` is not called.
+    /// The first stop is the solution at t = 0. Without a solution at t = 0, `visit` is not called.
     pub fn path(
         &self,
         load: &PathLoad,
@@ -230,7 +232,7 @@ impl ContactProblem {
     }
 }
 
-/// The solution, or `None` if the solve found none or was cancelled. Other errors are returned.
+/// The solution, or `None` if the solve found no solution or was cancelled. Other errors are returned.
 fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
     match solved {
         Ok(solution) => Ok(Some(solution)),

@@ -1,6 +1,7 @@
-//! Many loads at once: solves with a shared factor are batched.
+//! The Newton method for many loads at once: solves with a shared factor are batched.
 //!
-//! Each load iterates independently, so that the order of the loads and the number of threads change no bit.
+//! The iteration of a load does not depend on the other loads. So the order of the loads and the number of threads
+//! change no bit of a solution.
 
 use super::newton::{Start, newton, system_of};
 use crate::cholesky::LANES;
@@ -11,8 +12,8 @@ use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 
-/// Solves many loads (3n,), from the solution of another load if it is given. `watch` is called repeatedly and cancels
-/// by returning false.
+/// Solves many loads (3n,). The iterations start from `start`, the solution of another load, if it is given. `watch` is
+/// called repeatedly and cancels by returning false.
 pub(in crate::contact) fn solve_together(
     problem: &ContactProblem,
     augmentation: &Augmentation,
@@ -23,7 +24,8 @@ pub(in crate::contact) fn solve_together(
 ) -> Result<Vec<Result<ContactSolution, SolveError>>, SolveError> {
     let system = start.and_then(|start| system_of(problem, start)).map_or(&problem.base, |system| system);
     let mut waiting = loads.iter().enumerate().map(|(number, nodal)| {
-        // Without load the plate is at rest; only a start at rest gives that exactly.
+        // The solution without load is the plate at rest. Only an iteration that starts at rest gives it without
+        // rounding.
         let is_loaded = nodal.iter().any(|&force| force != 0.0);
         let solution = start.filter(|_| is_loaded);
         let factor = SharedFactor::default();

@@ -1,20 +1,22 @@
-//! Coarse-space correction: plates on soft supports get the rigid motion of least energy, with their present bending.
+//! Coarse-space correction: if the supports are soft, the energy is minimised over the rigid motions of the plates,
+//! without a change of their bending.
 
 use super::iterate::NewtonIterate;
 use crate::contact::kkt::CoarseLoad;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;
 
-/// Largest number of Newton steps over rigid motions.
+/// Largest number of Newton steps by which the energy is minimised over the rigid motions.
 const STEPS: usize = 100;
 
 impl NewtonIterate<'_> {
-    /// Stiffness of a point at its augmented travel.
+    /// Tangent stiffness of contact point i at its augmented travel s + σλ.
     fn resistance(&self, i: usize) -> f64 {
         self.problem.points.force_at(i, self.kkt.series[i], self.augmented_travel[i]).1
     }
 
-    /// Minimises the energy over rigid motions if the supports are soft; returns whether they are soft.
+    /// Minimises the energy over rigid motions if the supports are soft relative to the plate; returns whether they are
+    /// soft.
     pub(super) fn coarse_correction(&mut self) -> bool {
         let Some(coarse_load) = self.coarse_load.take() else { return false };
         let softest = coarse_load.rigid_space.softest(|i| self.resistance(i), &self.problem.springs.stiffness);
@@ -54,7 +56,8 @@ impl NewtonIterate<'_> {
                 found = eliminated(matrix, resultant.clone());
             }
             let step = found.unknown;
-            // Σ arm·step is the rigid motion along a row. Where plates move together it is zero but for rounding.
+            // Σ arm·step is the displacement of a spring or point under the rigid motions `step`. If it is only
+            // rounding, as between plates that move together, it counts as zero.
             let along = |arm: &[f64]| {
                 let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
                 let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));

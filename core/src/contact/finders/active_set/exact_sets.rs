@@ -1,5 +1,5 @@
-//! Exact solutions on one contact state after another. All points beyond the bounds of their pieces are exchanged at
-//! once, as long as their number falls (Júdice & Pires 1994).
+//! Exact solutions for one fixed contact state after another. All points beyond the bounds of their pieces of the laws
+//! change to the adjacent pieces at once, as long as the number of such points falls (Júdice & Pires 1994).
 
 use crate::contact::error::SolveError;
 use crate::contact::finders::feasibility::beyond_rounding;
@@ -11,8 +11,8 @@ use crate::contact::residual::least_length;
 use crate::contact::solution::{ContactSolution, Progress, Watch};
 use crate::contact::tolerances;
 
-/// Solves on the contact state of `start`, then on the states that follow by exchange. `None` if the number of points
-/// beyond their pieces stops falling before it is zero.
+/// Solves on the contact state of `start`, then on the states in which points beyond their pieces of the laws have
+/// changed to the adjacent pieces. `None` if the number of such points stops falling before it is zero.
 pub(super) fn exact_sets(
     problem: &ContactProblem,
     kkt: &mut Factored<'_>,

@@ -7,7 +7,7 @@ use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use rayon::prelude::*;
 
-/// Number of points in one parallel chunk.
+/// Number of contact points that one parallel task handles.
 const PARALLEL: usize = 4096;
 
 /// Newton iterate.
@@ -17,19 +17,20 @@ pub(super) struct NewtonIterate<'a> {
     pub(super) kkt: Factored<'a>,
     pub(super) solution: ContactSolution,
     pub(super) multiplier: Vec<f64>,
-    /// Augmented travel s + σλ (m,) of each point.
+    /// Augmented travel s + σλ (m,) of each contact point: travel s, augmentation compliance σ, multiplier λ.
     pub(super) augmented_travel: Vec<f64>,
     pub(super) residual: Residual,
-    /// Resultants of the load; `None` if every plate has a held dof, or a point has a linear law.
+    /// Resultants of the load on plates without held dofs; `None` if every plate has a held dof, or a point has a
+    /// linear law.
     pub(super) coarse_load: Option<CoarseLoad<'a>>,
-    /// Rounding of the internal forces; computed on demand after each evaluation of the residual.
+    /// Rounding error of the internal nodal forces; computed on demand after each evaluation of the residual.
     pub(super) rounding: Option<f64>,
-    /// Number of conjugate gradient steps of earlier solves with the same first factor.
+    /// Number of conjugate gradient steps that earlier solves took with the first factor of this solve.
     pub(super) spent: usize,
 }
 
 impl NewtonIterate<'_> {
-    /// Force of a point.
+    /// Force of contact point i at its augmented travel.
     pub(super) fn force(&self, i: usize) -> f64 {
         self.force_at(i, self.augmented_travel[i])
     }
@@ -42,7 +43,7 @@ impl NewtonIterate<'_> {
         self.problem.points.piece_at(i, self.kkt.series[i], augmented_travel)
     }
 
-    /// The present contact state.
+    /// The present contact state (m,): the piece of the law on which each contact point is.
     pub(super) fn pieces(&self) -> Vec<u8> {
         let at = |i: usize| self.piece_at(i, self.augmented_travel[i]);
         (0..self.augmented_travel.len()).into_par_iter().with_min_len(PARALLEL).map(at).collect()
@@ -53,12 +54,13 @@ impl NewtonIterate<'_> {
         (0..self.augmented_travel.len()).into_par_iter().with_min_len(PARALLEL).map(of).reduce(|| 0.0, f64::max)
     }
 
-    /// Moves along a direction to the least energy, and updates the residual by increments.
+    /// Moves along a direction to the least energy, and adds the changes of nodal and contact forces to the residual.
     pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
         let points = &self.problem.points;
         let mut change = points.change(&direction.nodal);
         if direction.is_free {
-            // Where plates move together, their relative motions are rounding, which would end the step early.
+            // If plates move together, their relative displacement at a contact point is rounding. It counts as zero
+            // here; otherwise this point would end the line search too early.
             let size = |i: usize| points.row(i).map(|(dof, c)| (c * direction.nodal[dof]).abs()).sum::<f64>();
             let is_rounding = |i: &usize| change[*i].abs() <= tolerances::newton::FREE * size(*i);
             let none: Vec<usize> = (0..change.len()).filter(is_rounding).collect();
@@ -75,7 +77,8 @@ impl NewtonIterate<'_> {
             let (moved, old) = (length * change[i], *augmented_travel);
             *augmented_travel = old + moved;
             let series = self.kkt.series[i];
-            // If a point keeps its factored stiffness, its change of force leaves no rounding in the residual.
+            // If a point stays on its piece of the law, its change of force is stiffness · travel. If the factor has
+            // the same stiffness, the difference below is exactly zero.
             let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *augmented_travel));
             let increment = match piece == next {
                 true => points.piece(i, piece).in_series(series) * moved,
@@ -116,13 +119,13 @@ impl NewtonIterate<'_> {
         self.solution = solution;
     }
 
-    /// The present displacements and reactions, with the points on given pieces (m,).
+    /// The present displacements and reactions as a solution on the contact state `piece` (m,).
     pub(super) fn on_pieces(&self, piece: Vec<u8>) -> ContactSolution {
         let reaction = (0..piece.len()).map(|i| self.force(i)).collect();
         ContactSolution { piece, reaction, ..self.solution.clone() }
     }
 
-    /// Continues from an exact solution, with its reactions as multipliers.
+    /// Continues the iteration from an exact solution, with its reactions as multipliers.
     pub(super) fn continue_from(&mut self, exact: ContactSolution) {
         self.solution.displacement = exact.displacement;
         self.solution.corrections += exact.corrections;
@@ -131,7 +134,7 @@ impl NewtonIterate<'_> {
         self.balance();
     }
 
-    /// The solution with reactions, pieces and gaps of the points.
+    /// The solution at the end of the iteration, with reactions, gaps and pieces of the laws of the contact points.
     pub(super) fn ended(self) -> ContactSolution {
         let pieces = self.pieces();
         let (points, series) = (&self.problem.points, &self.kkt.series);
@@ -155,7 +158,7 @@ impl NewtonIterate<'_> {
         self.balance();
     }
 
-    /// Sets the multipliers to the present forces.
+    /// Sets the multiplier of each contact point to its present force.
     pub(super) fn renew_multipliers(&mut self) {
         let points = &self.problem.points;
         for i in 0..points.len() {

@@ -9,11 +9,11 @@ use crate::superposition::sum_in_order;
 
 /// Largest number of doublings of the step length.
 const DOUBLINGS: usize = 60;
-/// Largest number of interval reductions; it reaches the last bit.
+/// Largest number of interval reductions; it suffices for the last bit of the step length.
 const HALVINGS: usize = 120;
 
 impl NewtonIterate<'_> {
-    /// vᵀKv of a direction v, without the springs of the points.
+    /// Curvature vᵀKv of the energy along a direction v, without the springs of the contact points.
     fn elastic_curvature(&self, direction: &Direction, change: &[f64]) -> f64 {
         let stiff = dot(&direction.nodal, &direction.force);
         let carried = &self.kkt.system().carried;
@@ -25,7 +25,7 @@ impl NewtonIterate<'_> {
     }
 
     /// Step length of least energy along a direction. The slope of the energy is piecewise linear and nondecreasing.
-    /// The search ends at `FLAT` times the initial slope.
+    /// The search ends where the slope is at most `FLAT` times its initial value.
     pub(super) fn line_search(&self, direction: &Direction, change: &[f64], pieces: &[u8]) -> f64 {
         let stays = |i: usize| {
             let on = |augmented_travel: f64| self.piece_at(i, augmented_travel) == pieces[i];
@@ -38,8 +38,8 @@ impl NewtonIterate<'_> {
         self.least_energy(-dot(&direction.nodal, &self.residual.imbalance), elastic, change)
     }
 
-    /// Step length of least energy along a change of the augmented travels. `start` is the slope at 0, `elastic` the
-    /// curvature of the plate. Returns 0 if the energy does not fall.
+    /// Step length of least energy along a change of the augmented travels. `start` is the slope of the energy at step
+    /// length 0, `elastic` is vᵀKv without the contact points. Returns 0 if the energy does not fall.
     pub(super) fn least_energy(&self, start: f64, elastic: f64, change: &[f64]) -> f64 {
         let force: Vec<f64> = (0..change.len()).map(|i| self.force(i)).collect();
         let slope = |t: f64| -> f64 {
@@ -61,14 +61,14 @@ impl NewtonIterate<'_> {
             doublings += 1;
         }
         if at_high < 0.0 {
-            // No contact point ends the motion, so the work of the load along it is rounding.
+            // No contact point resists this motion at any step length, so the work of the load along it is rounding.
             return 0.0;
         }
         let mut at_low = slope(low);
         let mut halves = false;
         for _ in 0..HALVINGS {
-            // Regula falsi, kept off the ends. Bisection follows a step that has not halved the interval, as beside a
-            // stiff point.
+            // Regula falsi, at least 5 % of the interval from its ends. If it has not halved the interval, as beside a
+            // stiff point, bisection follows.
             let part = if halves { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.05, 0.95) };
             let (width, middle) = (high - low, low + part * (high - low));
             let value = slope(middle);

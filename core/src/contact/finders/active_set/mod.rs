@@ -51,7 +51,8 @@ pub(in crate::contact) fn by_active_set(
     Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
 }
 
-/// Solves one load and factors its contact state, for warm starts; `None` if that state leaves a rigid motion free.
+/// Solves one load and factors K with the springs of its contact state, for warm starts of other loads. `None` if this
+/// contact state leaves a rigid motion free.
 pub(in crate::contact) fn solved_and_factored(
     problem: &ContactProblem,
     augmentation: &Augmentation,

@@ -14,37 +14,38 @@ use crate::contact::system::System;
 use crate::contact::tolerances::newton as tolerances;
 use std::sync::Arc;
 
-/// Largest number of Newton steps; overlapping circles on a rigid bed, one of 150,000 random plates, needed 732.
+/// Largest number of Newton steps. The largest number that one of 150,000 random plates needed is 732.
 const NEWTON: usize = 2000;
-/// Number of steps with a changing contact state after which directions are computed accurately.
+/// After this number of successive steps with a changing contact state, directions are computed more accurately.
 const UNSETTLED: usize = 8;
 /// Number of successive steps with little reduction of the residual after which the iteration ends: the residual is
 /// then rounding.
 const STALLS: usize = 3;
-/// Number of steps on an unchanged contact state without a new least residual after which the iteration ends.
+/// Number of steps on an unchanged contact state, without a new minimum of the residual, after which the iteration
+/// ends.
 const LASTING: usize = 12;
 
-/// A load of the Newton method, and its first factor.
+/// A load to be solved by the Newton method, with the start of the iteration and the first factor.
 pub(super) struct Start<'a> {
     pub(super) problem: &'a ContactProblem,
     pub(super) augmentation: &'a Augmentation,
     pub(super) load: Load<'a>,
-    /// The solution of another load.
+    /// The solution of another load, at which the iteration starts; `None` for a start at rest.
     pub(super) solution: Option<&'a ContactSolution>,
-    /// The first factor, if several loads share it. Such loads seek no exact solution.
+    /// The first factor, if several loads share it. For such loads no exact solution on a contact state is computed.
     pub(super) shared: Option<SharedFactor>,
 }
 
-/// The factor of another solution, if it fits the problem.
+/// The factor that is stored with the solution of another load, if it belongs to this problem.
 pub(super) fn system_of<'a>(problem: &ContactProblem, solution: &'a ContactSolution) -> Option<&'a Arc<System>> {
     solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.pattern, &problem.pattern))
 }
 
-/// Reductions of the residual at the largest penalty.
+/// Record of the residual at the largest penalty. It shows whether the iteration still makes progress.
 struct Stagnation {
-    /// Number of successive steps with little reduction.
+    /// Number of successive steps with little reduction of the residual.
     stalled: usize,
-    /// Number of steps on an unchanged contact state since the least residual.
+    /// Number of steps on an unchanged contact state since the residual was least.
     lasting: usize,
     before: f64,
     lowest: f64,
@@ -59,8 +60,8 @@ impl Stagnation {
     }
 }
 
-/// Solves one load. Returns true in addition if the iteration ended by stagnation, so that its contact state may have a
-/// better solution.
+/// Solves one load. The second value is true if the iteration ended because the residual stopped falling: an exact
+/// solution on the contact state may then be better.
 pub(super) async fn newton(
     start: Start<'_>,
     watch: &mut (impl FnMut(Progress) -> bool + ?Sized),
@@ -68,12 +69,12 @@ pub(super) async fn newton(
     let Start { problem, load, .. } = start;
     let (started, seeks_exact) = (start.solution.is_some(), start.shared.is_none());
     let mut iterate = first_iterate(start)?;
-    // From rest, the first step has every point on its steepest piece, as the factor does.
+    // From rest, every point is on the steepest piece of its law in the first step, as in the first factor.
     let mut pieces = if started { iterate.pieces() } else { problem.steepest_pieces() };
     let least = if load.nodal.iter().all(|&f| f == 0.0) { least_force(&iterate, load.held_value) } else { 0.0 };
     let reference = |iterate: &NewtonIterate| largest_force(problem, load.nodal, &[]).max(iterate.largest_force());
     let mut last = pieces.clone();
-    // The last contact state on which an exact solution was sought.
+    // The last contact state for which an exact solution was computed.
     let mut sought = Vec::new();
     let (mut since_settled, mut restarted, mut stagnation) = (0, false, Stagnation::NONE);
     for step in 1..=NEWTON {
@@ -89,7 +90,8 @@ pub(super) async fn newton(
         let mut negligible = iterate.rounding();
         if step > 1 && iterate.coarse_correction() {
             pieces = iterate.pieces();
-            // The rest of the residual would only move a free plate away.
+            // On soft supports a residual below the value at convergence is rounding: a step for it would only move the
+            // plate as a rigid body.
             negligible = negligible.max(tolerances::SETTLED * reference(&iterate));
         }
         let tolerance = match (same, since_settled < UNSETTLED) {
@@ -123,7 +125,7 @@ pub(super) async fn newton(
                 iterate.set_penalty(iterate.kkt.augmentation.next_penalty(iterate.kkt.limit));
                 stagnation.restart();
             } else if iterate.residual.worst <= tolerances::BALANCED * force {
-                // Multipliers are updated in equilibrium only.
+                // Multipliers are updated only if the nodal forces are nearly in equilibrium.
                 iterate.renew_multipliers();
             }
             pieces = iterate.pieces();
@@ -144,7 +146,8 @@ pub(super) async fn newton(
         if worst <= tolerances::SETTLED * force || worst <= iterate.rounding() {
             return Ok((iterate.ended().require_finite()?, false));
         }
-        // Points without force and gap may change their piece for ever; the residual then gives no further information.
+        // Points without force and gap may change their piece of the law for ever. So the iteration ends when the
+        // residual stops falling.
         let Stagnation { stalled, lasting, before, lowest } = &mut stagnation;
         let is_slow = worst > tolerances::SLOW * *before;
         *stalled = if (unchanged || worst <= nearly) && is_slow { *stalled + 1 } else { 0 };
@@ -174,7 +177,8 @@ pub(super) async fn newton(
     Err(SolveError::Unsolved)
 }
 
-/// The iterate at rest with the first penalty, or at the other solution with the largest penalty.
+/// The first iterate: the plate at rest with the first penalty, or the solution of another load with the largest
+/// penalty.
 fn first_iterate(start: Start<'_>) -> Result<NewtonIterate<'_>, FactorError> {
     let Start { problem, augmentation, load, solution: start, shared } = start;
     let shares = shared.is_some();
@@ -188,7 +192,7 @@ fn first_iterate(start: Start<'_>) -> Result<NewtonIterate<'_>, FactorError> {
         solution.displacement.clone_from(&start.displacement);
         multiplier.copy_from_slice(&start.reaction);
         spent = start.spent;
-        // A factor that already has the springs of these pieces is not made again.
+        // The contact state of the other solution is factored, unless the given factor already has its springs.
         if !shares && spent >= BEFORE_A_FACTOR && !kkt.differing(&start.piece).is_empty() {
             kkt.refactor(&start.piece)?;
         }
@@ -210,7 +214,8 @@ fn first_iterate(start: Start<'_>) -> Result<NewtonIterate<'_>, FactorError> {
 }
 
 /// Lower bound of the reference force if there is no load. It is the largest of three forces: the force that bends the
-/// plate by its distance from the points, the force that strains the plate, and the rounding of prescribed motions.
+/// plate by its largest distance from a contact point, the force of the strain by prescribed displacements, and the
+/// rounding of prescribed rigid motions.
 fn least_force(iterate: &NewtonIterate<'_>, held_value: &[f64]) -> f64 {
     let problem = iterate.problem;
     let off = problem.points.travel_from(&problem.points.shift, &iterate.solution.displacement);
