@@ -70,7 +70,7 @@ def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
 
 
 def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
-    """Quantity of a field, the pressure or a utilisation, and the quantity from which a utilisation is computed."""
+    """Quantity of a field, the pressure or a utilisation, and the measured quantity that gives a utilisation."""
     if field in PICTURED:
         return PICTURED[field], PICTURED[field]
     measured, check = utilisations(model)[field]

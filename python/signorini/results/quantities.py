@@ -246,7 +246,7 @@ DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
 )
 """Sign of each design moment: +1 for reinforcement at the bottom, −1 at the top."""
 REINFORCEMENT: Mapping[str, str] = MappingProxyType({f"as_{name[1:]}": name for name in DESIGN_MOMENTS})
-"""Name of the design moment from which each field of required reinforcement follows."""
+"""Name of the design moment that determines each field of required reinforcement."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
@@ -393,7 +393,7 @@ OF_COLUMNS = (
     Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
     Quantity("with_links", "part", "utilisation, with the largest shear reinforcement", along_paths=False),
     Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
-    Quantity("uout", "length", "uout, length of the perimeter beyond which no links are needed", along_paths=False),
+    Quantity("uout", "length", "uout, length of the perimeter outside of which no links are needed", along_paths=False),
 )
 """Quantities of punched columns."""
 OF_SHEAR = tuple(one for one in OF_COLUMNS if one.name in ("force", "inside", "beta", "v_ed", "v_rd_c", "utilisation"))
@@ -664,8 +664,8 @@ class Catalogue:
     ) -> Catalogue:
         """List a model's numbers; ``fields`` are the fields whose extremes are listed.
 
-        For each support, ``points`` is the number of its points, and ``gaps`` tells whether they can open. ``corners``
-        is the number of corners of a line, by index of the support.
+        For each support, ``points`` is the number of its points, and ``gaps`` whether they can open. ``corners`` is the
+        number of corners of a line, by index of the support.
         """
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):

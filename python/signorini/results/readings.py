@@ -393,7 +393,7 @@ class Readings:
 
 @dataclass(frozen=True, eq=False)
 class SupportReading:
-    """Readings of one support with p points in k solutions, from which the quantities of the registry are computed."""
+    """Readings of one support with p points in k solutions, and formulas for the quantities of the registry."""
 
     of: Readings
     index: int

@@ -40,7 +40,7 @@ from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOVED = 1.0 + 1e-9
-"""Ratio of a point's travel to its travel at w = 0 above which the point counts as lifted, not only rounded."""
+"""Smallest ratio of a lifted point's travel to its travel at w = 0; a smaller difference is rounding."""
 _MOST_BEARINGS = 100
 """Largest number of points of a support that are bearings of their own; a support with more points is one bearing."""
 

@@ -199,7 +199,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 
 
 _ALL = 1.0 - 1e-9
-"""Ratio of a force to its limit from which the force counts as at the limit, since it is less only by rounding."""
+"""Smallest ratio of a force to its limit with which the force counts as at the limit, to allow for rounding."""
 _INWARD = 3e-10
 """Distance by which an element's point is moved inward, relative to the plate's size. At a corner, the point would
 belong to several elements.

@@ -21,8 +21,8 @@ _FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton":
 _ALIKE = 0.7
 """Smallest similarity (`difflib`) of an unknown unit to a known unit at which the known unit is suggested."""
 _THICKEST = 0.5
-"""Ratio of thickness to the plate's smaller extent above which a warning is given. EN 1992-1-1, 5.3.1, allows a fifth
-for slabs.
+"""Largest ratio of thickness to the plate's smaller extent without a warning. EN 1992-1-1, 5.3.1, allows a fifth for
+slabs.
 """
 _SOFTEST, _STIFFEST = 1e8, 1e12
 """Young's moduli of plates in Pa that cause no warning. Rubber is softer; diamond has about the largest modulus."""

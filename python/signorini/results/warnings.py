@@ -42,24 +42,24 @@ _SMALLER = 0.5
 _STRIP = 4
 """Smallest number of elements of an elastic area that counts as a strip; fewer elements are a pad."""
 _INSIDE = 1e-6
-"""Depth of a point of one area inside another area above which the two areas overlap, relative to the plate's size."""
+"""Two areas overlap if a point of one is deeper inside the other than this depth, relative to the plate's size."""
 _TOUCH = 1e-6
-"""Common area of two regions up to which they only touch, relative to the area of the smaller region."""
+"""Largest common area of two regions that only touch, relative to the area of the smaller region."""
 _NOTHING = 1e-9
 """Component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
 _HARDLY = 1e-6
 """Largest tension of an area that counts as zero, relative to the area's largest pressure."""
 _OUTWEIGHS = 1e3
-"""Ratio of a support's reactions to the loads above which a warning is given; couples of loads are divided by the
-thickness. A thin plate has such a ratio on supports that are a tenth of its thickness apart.
+"""Ratio of a support's reactions to the loads that causes a warning; couples of loads are divided by the thickness. A
+thin plate has such a ratio on supports that are a tenth of its thickness apart.
 """
 _UNSAID = ', since resists is left out. Give resists = "down" if the plate can lift off it, else "both".'
 _INFINITE = ": the required reinforcement is infinite there. Use a thicker plate or stronger concrete."
 _LARGEST = ("", ENDS.index("max")), ("_mean", ENDS.index("max_mean"))
 """For the maximum and the largest mean: argument ``mean`` of `Envelope.field`, and row of `Envelope.places_of`."""
 _MOST = 0.75
-"""Part of the plate's area, excluded from extremes near singularities, above which a warning is given. For thick covers
-of flanges on many bolts this part is a half.
+"""Largest part of the plate's area that extremes exclude near singularities without a warning. For thick covers of
+flanges on many bolts this part is a half.
 """
 
 
