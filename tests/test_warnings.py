@@ -116,7 +116,7 @@ def test_a_plate_that_is_a_block(thickness: float | str, said: str) -> None:
     stiff = {"area": {"rectangle": [1, 1, 2, 2]}, "thickness": 4.9}
     found = " ".join(check(model(plate=shape, zone=[stiff])).warnings)
     assert (
-        (said + " the plate's smaller extent, 4 m, and of a plate it is a fifth" in found)
+        (said + " the plate's smaller extent, 4 m; the thickness of a plate is at most a fifth" in found)
         if said
         else "smaller extent" not in found
     )

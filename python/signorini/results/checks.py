@@ -63,14 +63,14 @@ def checked_fields(model: Model) -> tuple[str, ...]:
 
 
 def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
-    """The measured field and the check of each utilisation that is a field, by its name "utilisation:<check>"."""
+    """For each utilisation field "utilisation:<check>" of a model: name of the measured field, and the check."""
     fields = {name: field for field in with_extremes(model) for name in (field, on_plate(field, model.part))}
     checks = (check for check in model.original.check if check.of in fields)
     return {f"utilisation:{check.name}": (fields[check.of], check) for check in checks}
 
 
 def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
-    """Quantity of a field, the pressure or a utilisation, and the measured quantity that gives a utilisation."""
+    """Quantity of a field, pressure or utilisation, and the measured quantity: for a utilisation the checked field."""
     if field in PICTURED:
         return PICTURED[field], PICTURED[field]
     measured, check = utilisations(model)[field]

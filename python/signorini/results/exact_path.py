@@ -135,7 +135,7 @@ class ExactPath(LoadPath):
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
-    """Yield the reactions (m,) with the contact points fixed on ``pieces`` at a much larger t, of either sign.
+    """Yield the reactions (m,), of either sign, at a much larger t with the contact points fixed on ``pieces``.
 
     Nothing is yielded if these pieces do not hold the plate.
     """

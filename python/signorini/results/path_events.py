@@ -123,7 +123,7 @@ class PathEvent:
 
 
 def closing_margins(support: Support, margins: int) -> int:
-    """How many of a support's ``margins`` margins are to opening and closing; these are the first ones."""
+    """Number of margins to opening and closing, which come first among the ``margins`` margins of a support."""
     if support.place != "at":
         return len(LEVELS)
     return margins if not support.can_yield else margins // 2

@@ -54,7 +54,7 @@ class SupportPoints:
         shared, shares = contacts.shared[first], None
         if (shared >= 0).any():
             elements, shares = _shares(shared, weight)
-            # The first contact point of an element is its mean; the element has this point's position.
+            # The first contact point of an element holds its mean deflection; the element has this position.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
         positions = np.concatenate(
@@ -188,7 +188,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)
     several = np.bincount(element, minlength=len(elements)) - 1
-    # An element's mean precedes the points on the outline; their parts are subtracted from the mean's area.
+    # An element's first point holds the mean; the areas of its points on the outline are subtracted from its area.
     mean = np.full(len(elements), len(shared))
     np.minimum.at(mean, element, point)
     area = weights[mean] / (1.0 - STRIP * several)

@@ -412,7 +412,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
             size = _SMALLER * math.sqrt(mesh.element_area[mine].min())
             own = isinstance(discretisation.model.plate, MeshPlate)
             helps = "Make the mesh finer there." if own else f"Take elements of {size:.2g} or less there (mesh.refine)."
-            yield f"{support.name} is one element wide: its pressure across the width is too coarse. {helps}"
+            yield f"{support.name} is one element wide, too coarse for its pressure across the width. {helps}"
 
 
 def _one_place(discretisation: Discretisation) -> Iterator[str]:
@@ -470,7 +470,7 @@ def _footprints(discretisation: Discretisation) -> Iterator[str]:
         first, second = supports[one], supports[other]
         if _alike(first, second) and first.between == second.between:
             what = f"of {first.name}" if one == other else f"of {first.name} and {second.name}"
-            yield f"Footprints {what} overlap, such as at {point(at, mesh.size)}: both supports act in the overlap."
+            yield f"Footprints {what} overlap, such as at {point(at, mesh.size)}: both act in the overlap."
 
 
 def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
