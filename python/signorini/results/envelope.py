@@ -27,7 +27,7 @@ from signorini.results.state import ResultState
 _SIGNS = (1.0, -1.0)
 """Signs by which values are multiplied so that the largest product is the maximum (+1) or the minimum (−1)."""
 NONE = -1
-"""Number of the governing result as long as an envelope contains no result."""
+"""Stands for the number of the governing result in an envelope that contains no result yet."""
 _GOVERNING = 12
 """Largest number of governing results that `Envelope.rows` lists."""
 _EQUAL = 1e-9

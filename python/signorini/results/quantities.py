@@ -427,9 +427,9 @@ MEAN_SIDES = ("max_mean", "min_mean")
 """Names of the largest and the smallest of a field's means, over the points at which the field is singular."""
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
-"""Homes of extremes: of the extremes of fields, and of the extremes of their means at singular places."""
+"""Homes (kinds of owner) of two kinds of extremes: of fields, and of their means at singular places."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
-"""Homes whose numbers are computed one owner at a time, such as one support; those of other homes all together."""
+"""Homes (kinds of owner) whose numbers are computed separately for each owner, such as each support."""
 _OF_ANSWERS = ("prying", "piece")
 """Names of quantities that are computed from a complete answer and do not follow from superposed readings."""
 SMOOTH = frozenset(
