@@ -20,10 +20,11 @@ _QUANTITIES = """# Numbers of results
 
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
 
-Units are F (force) and L (length). Owners in the examples are the supports `AREA`, `LINE` (an edge, line or circle) and
-`POINTS`, the columns `COLUMNS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and
-of [thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
-`combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
+Units are F (force) and L (length). Names are those of `Result.to_dataframe()` and of [thresholds](paths.md#thresholds).
+The examples have an area support `AREA`, an edge `LINE`, point supports `POINTS`, a section `CUT` and a strip `STRIP`.
+They also have punched columns `COLUMNS`. Contacts between plates have the numbers of supports.
+Paths begin in `combinations[]` of `results.json`; columns are those of `combinations.parquet`.
+The key `output.envelope` of the input selects the fields that have columns `max:…` and `min:…`."""
 _MODEL = """
 units = { length = "m", force = "kN" }
 material = { E = 1e7, nu = 0.2 }

@@ -116,7 +116,7 @@ def test_a_plate_that_is_a_block(thickness: float | str, said: str) -> None:
     stiff = {"area": {"rectangle": [1, 1, 2, 2]}, "thickness": 4.9}
     found = " ".join(check(model(plate=shape, zone=[stiff])).warnings)
     assert (
-        (said + " the plate's smaller extent, 4 m, and of a plate it is a fifth" in found)
+        (said + " the plate's smaller extent, 4 m; the thickness of a plate is at most a fifth" in found)
         if said
         else "smaller extent" not in found
     )
@@ -169,7 +169,7 @@ def test_a_gasket_one_element_wide_is_told(wide: float, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("divisions", "words"), [([1, 1], "one element,"), ([1, 6], "one element wide,"), ([2, 2], "")]
+    ("divisions", "words"), [([1, 1], "a single element,"), ([1, 6], "one element wide,"), ([2, 2], "")]
 )
 def test_one_element(divisions: list[int], words: str) -> None:
     said = warned(mesh={"divisions": divisions}, support=[{"edge": ["left", "right"], "fix": "simple"}])
@@ -183,7 +183,7 @@ def test_areas_that_overlap() -> None:
         "resists": "down",
         "stiffness": 1e5,
     }
-    expected = "The areas of soil and grout overlap: where they do, their stiffness adds."
+    expected = "The areas of soil and grout overlap: in the overlap their stiffnesses add."
     assert warned(support=[SOIL, grout]) == (expected,)
     apart = SOIL | {"area": {"rectangle": [2, 0, 4, 4]}}
     assert warned(support=[apart, grout]) == ()
@@ -224,14 +224,14 @@ def test_reactions_that_outweigh_what_acts_by_far() -> None:
 def test_two_rigid_points_at_one_place() -> None:
     props = {"name": "props", "at": [[2, 2], [3, 1]], "resists": "down"}
     first, second = warned(support=[PADS, props])
-    assert first == "pads and props both hold the plate rigidly at [3, 1]: how they share its reaction is a convention."
+    assert first == "pads and props both hold the plate rigidly at [3, 1]: how they share the reaction is a convention."
     assert second == "Reactions of pads, props could be shared otherwise; the least are shown."
 
 
 def test_a_resultant_of_zero() -> None:
     couple = [{"case": "G", "force": 3, "at": [1, 2]}, {"case": "G", "force": -3, "at": [3, 2]}]
     fixed = [{"edge": "left", "fix": "clamped"}]
-    sentence = "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
+    sentence = "The load's resultant is zero: its forces cancel each other. Do all forces have the right sign?"
     assert warned(load=couple, support=fixed) == (sentence,)
     assert warned(load=[{"pressure": 0}], support=fixed) == ("No load acts.",)
     for moved in ({"settlement": 0.001}, {"rotation": [0.001, 0]}):
@@ -295,7 +295,7 @@ def test_a_couple_that_an_edge_of_symmetry_takes(moment: list[float], at: list[f
 
 def test_a_load_case_that_acts_in_no_combination() -> None:
     load, only = [{"case": "G", "pressure": 5}, {"case": "Gx", "pressure": 1}], {"name": "ULS", "factors": {"G": 1}}
-    said = 'The load case "Gx" acts in no combination. Is its name the one that is meant?'
+    said = 'The load case "Gx" acts in no combination. Is its name spelled correctly?'
     assert warned(load=load, combination=[only]) == (said,)
     assert warned(load=load) == ()
     assert said not in signorini.path(model(load=load, combination=[only]), "G", "Gx", 2.0).warnings

@@ -19,9 +19,9 @@ from signorini.results.quantities import ENDS, FIELDS, PICTURED, Catalogue, Quan
 
 @dataclass(frozen=True, eq=False)
 class CheckedNumbers:
-    """The numbers of one check in a catalogue: indices of what it measures (m,), of its value and its utilisation.
+    """Indices in a catalogue of the numbers of one check: the measured numbers (m,), its value, its utilisation.
 
-    The value of an overturning check is given; it is what the check measures.
+    An overturning check measures its own value, 1/λ with the load factor λ of overturning.
     """
 
     check: Check
@@ -30,7 +30,7 @@ class CheckedNumbers:
     utilisation: int
 
     def governing(self, values: Floats) -> tuple[Ints, Floats]:
-        """Index (k,) in ``measured`` of the number with the largest utilisation, and the utilisation; NaN if absent."""
+        """Index (k,) in ``measured`` of the number with the largest utilisation, and this utilisation, in k results."""
         used = self.check.used(values[:, self.measured])
         which = np.where(np.isnan(used), -np.inf, used).argmax(axis=1)
         return which, np.take_along_axis(used, which[:, None], axis=1)[:, 0]
@@ -38,7 +38,7 @@ class CheckedNumbers:
 
 @kept
 def checks_in(catalogue: Catalogue) -> tuple[CheckedNumbers, ...]:
-    """The checks whose numbers and whose measured numbers a catalogue has."""
+    """Checks for which a catalogue has both the check's utilisation and at least one number that the check measures."""
     places: dict[int, dict[str, int]] = {}
     for place, one in enumerate(catalogue):
         if one.check is not None:
@@ -56,21 +56,21 @@ def checks_in(catalogue: Catalogue) -> tuple[CheckedNumbers, ...]:
 
 
 def checked_fields(model: Model) -> tuple[str, ...]:
-    """Names of the fields whose extremes are checked."""
+    """Names of the fields whose extremes are measured by a check of the model."""
     subjects = {on_plate(name, plate): name for name in with_extremes(model) for plate in ("", *model.plates)}
     wanted = {f"{subject}{end}": name for subject, name in subjects.items() for end in ("", *(f".{x}" for x in ENDS))}
     return tuple(name for name in FIELDS if name in {wanted.get(check.of) for check in model.check})
 
 
 def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
-    """Field and check by name of the field of the check's utilisation, such as "utilisation:plate stress"."""
+    """For each utilisation field "utilisation:<check>" of a model: name of the measured field, and the check."""
     fields = {name: field for field in with_extremes(model) for name in (field, on_plate(field, model.part))}
     checks = (check for check in model.original.check if check.of in fields)
     return {f"utilisation:{check.name}": (fields[check.of], check) for check in checks}
 
 
 def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
-    """Quantity of a field, of the pressure or of a utilisation, and the quantity that it is computed from."""
+    """Quantity of a field, pressure or utilisation, and the measured quantity: for a utilisation the checked field."""
     if field in PICTURED:
         return PICTURED[field], PICTURED[field]
     measured, check = utilisations(model)[field]
@@ -78,7 +78,7 @@ def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
 
 
 def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combination] | None = None) -> Floats:
-    """Numbers (k, n) with values and utilisations of checks; NaN in combinations that a check does not include."""
+    """Fill in the checks' values and utilisations among the numbers (k, n); NaN in combinations without the check."""
     result = values.copy()
     for one in checks_in(catalogue):
         which, utilisation = one.governing(values)
@@ -94,7 +94,7 @@ def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combi
 def overturned(
     discretisation: Discretisation, catalogue: Catalogue, values: Floats, loads: Sequence[Combination | str]
 ) -> Floats:
-    """Numbers (k, n) with the values 1/λ of overturning checks; a load that is only named has none."""
+    """Fill in the values 1/λ of overturning checks among the numbers (k, n), except for loads given only by a name."""
     result, rows = values.copy(), [row for row, load in enumerate(loads) if not isinstance(load, str)]
     combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
@@ -105,10 +105,11 @@ def overturned(
 
 
 def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool) -> Floats:
-    """Half-widths (k, n) with those of checks: of the governing number, for the utilisation over the limit.
+    """Fill in the half-widths of checks in the half-widths (k, n) of all numbers.
 
-    The factor of overturning has none where supports are ``limited``, since their points depend on the mesh; else it is
-    exact.
+    A check's value has the half-width of the governing number; its utilisation has this half-width divided by the
+    limit. The load factor of overturning is exact, with half-width 0. If supports are ``limited``, their points depend
+    on the mesh, and the factor's half-width is NaN.
     """
     result = widths.copy()
     for one in checks_in(catalogue):
@@ -125,7 +126,7 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
 def require_measured(
     discretisation: Discretisation, catalogue: Catalogue, what: str, *checks: Check, advice: str = "Remove the check."
 ) -> None:
-    """Refuse checks of numbers that a catalogue lacks; ``what`` has the numbers of the catalogue."""
+    """Raise `InputError` if a check measures a number that a catalogue lacks; ``what`` begins the message."""
     known = [one.check for one in checks_in(catalogue)]
     for check in checks:
         if check not in known:

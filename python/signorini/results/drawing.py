@@ -35,7 +35,7 @@ def draw_field(
         arguments.made_by(plus_minus, Mapping, "Take estimate(result).plus_minus.", "plus_minus")
     result.require_fields()
     if field == "pressure" and not areas_below(result.supports):
-        raise InputError('There is no "pressure": the plate rests on no area.', place="field")
+        raise InputError('There is no field "pressure": the plate rests on no area support.', place="field")
     nodes, units = result.stress_nodes, result.model.units
     plan = Plan(nodes.points, nodes.elements, nodes.left_out)
     marks = support_marks(result)

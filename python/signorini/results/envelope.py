@@ -1,4 +1,4 @@
-"""Envelopes: largest and smallest values over many results, and the numbers of the results that have these values."""
+"""Envelopes: largest and smallest values over many results, and the numbers of the results in which they occur."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
-"""Factors for values: values times −1 have their largest value where the values are smallest."""
+"""Signs by which values are multiplied so that the largest product is the maximum (+1) or the minimum (−1)."""
 NONE = -1
-"""Result number that stands for "no result"."""
+"""Stands for the number of the governing result in an envelope that contains no result yet."""
 _GOVERNING = 12
-"""Largest number of results that `Envelope.rows` lists."""
+"""Largest number of governing results that `Envelope.rows` lists."""
 _EQUAL = 1e-9
-"""Tolerance for equal values, relative to the largest value of their kind."""
+"""Relative tolerance for equal values: relative to the largest value of the same kind, such as all moments."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) over results, and the numbers of the results that have these values.
+    """Largest and smallest value of each of n numbers over many results, and the results in which they occur.
 
-    Among equal values the first result counts. Values are equal if they differ by at most 10⁻⁹ ``size`` (n,), where
-    ``size`` is the largest value of their kind. Where ``size`` is 0, only identical values are equal.
+    If values are equal, the first result governs. Values are equal if they differ by at most 10⁻⁹ ``size`` (n,), where
+    ``size`` is the largest magnitude of the same kind of numbers. Where ``size`` is 0, only identical values are equal.
     """
 
     largest: Floats
@@ -50,20 +50,20 @@ class Extremes:
 
     @classmethod
     def none(cls, size: int) -> Extremes:
-        """Extremes over no result: −∞ and ∞ for each of ``size`` numbers."""
+        """Extremes of ``size`` numbers before any result is taken: largest value −∞, smallest value ∞."""
         who = np.full(size, NONE, dtype=np.int64)
         return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy(), np.zeros(size))
 
     @property
     def sides(self) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints]]:
-        """Pairs of values and result numbers: first of the largest values, then of the smallest values."""
+        """The largest values with their result numbers, then the smallest values with their result numbers."""
         return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
 
     def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
-        """Extend the extremes by values (k, n) of results ``who`` (k,), which are in rising order.
+        """Extend the extremes by the values (k, n) of k further results, whose numbers ``who`` (k,) rise.
 
-        ``size`` is the largest value of each number's kind. Returns masks (n,) of the largest and of the smallest
-        values that changed.
+        ``size`` is the largest magnitude of each number's kind. Returns a mask (n,) of the largest values that changed,
+        and one of the smallest values that changed.
 
         Examples
         --------
@@ -86,7 +86,7 @@ class Extremes:
         return new
 
     def meet(self, other: Extremes) -> list[Bools]:
-        """Extend the extremes by other extremes; return masks (n,) of the largest and smallest values that changed."""
+        """Extend the extremes by the extremes of other results; return masks (n,) as `take` does."""
         result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
@@ -99,7 +99,7 @@ class Extremes:
         return result
 
     def pick(self, which: Ints | slice) -> Extremes:
-        """Extremes of the numbers with the indices ``which``."""
+        """Extremes of only those numbers that have the indices ``which``."""
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def put(self, which: Ints | slice, some: Extremes) -> None:
@@ -109,7 +109,7 @@ class Extremes:
 
     @property
     def ends(self) -> tuple[int, int]:
-        """Indices of the largest and the smallest value of all n numbers; of equal values that of the first result."""
+        """Index of the number with the largest of all values, and with the smallest; ties: the first result."""
         within = _EQUAL * self.size.max()
         high, low = (
             np.where(sign * of >= (sign * of).max() - within, by, np.iinfo(np.int64).max).argmin()
@@ -129,24 +129,24 @@ class Extremes:
         classes: Ints,
         left_out: Bools,
     ) -> tuple[Floats, Ints]:
-        """Extend the extremes ``each`` of several fields by k results ``who`` (k,), which are sums.
+        """Extend the extremes ``each`` of several fields by k results that are sums; ``who`` (k,) are their numbers.
 
-        The inputs of the fields' formulas are sums of ``inputs`` (b, n) with coefficients (k, b), thickness (n,) and
-        `Model.bars`. Returns the extremes (f, k, 2) of each field and sum over the nodes, and the nodes (f, k, 2) that
-        have them. ``classes`` (n,) is the class of each node; ``left_out`` (k, c) marks the classes that are excluded
-        in each sum.
+        The formulas of the fields take sums of ``inputs`` (b, n) with coefficients (k, b), the thickness (n,) and
+        `Model.bars`. Returns the maximum and minimum over the nodes of each field in each sum (f, k, 2), and the nodes
+        (f, k, 2) where they occur. ``classes`` (n,) is the class of each node; ``left_out`` (k, c) marks the classes
+        that are excluded from the extremes of each sum.
         """
         bounds = [(*one.sides[0], *one.sides[1]) for one in each]
         of = coefficients, inputs, fields.formulas, fields.wanted, thickness, bars or ()
         peaks, places = _core.envelop(*of, who, bounds, classes, left_out)
-        # If every value is NaN, no value exceeds minus infinity.
+        # The core returns minus infinity for a field whose values are all NaN.
         peaks[np.isneginf(peaks[..., 0])] = np.nan
         return peaks, places
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Largest and smallest value of a quantity over many results, and the numbers of these two results."""
+    """Largest and smallest value of a number over many results, and the numbers of the results in which they occur."""
 
     max: float
     max_by: int
@@ -156,28 +156,31 @@ class Ends:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Envelope:
-    """Extremes over all results with an equilibrium, and the numbers of the results that have these extremes."""
+    """Extremes over all results with an equilibrium, and the numbers of the results in which they occur."""
 
     __repr__ = Brief.__repr__
 
     layout: Layout
     values: Extremes  # (n,): extremes of every number in the layout's catalogue
-    # (f, 4, 2): positions of the extremes of each field and of its means at singular points; then those for each plate
+    # (f, 4, 2): positions of max, min, max_mean and min_mean of each field; with several plates also by plate
     places: Floats
     beside: Floats
-    """(2, e, b): reactions of all b bearings in the results with the largest and the smallest value of each of the e
-    numbers ``layout.governed``."""
-    # extremes of each field at every node, by name of the field; "reaction" is the force of the supports on nodes
+    """(2, e, b): reactions of the b bearings in the results with the maximum and the minimum of each of e numbers.
+
+    The numbers are those of ``layout.governed``.
+    """
+    # extremes of each field at every node, by name of the field; "reaction" is the nodal force of the supports
     fields: dict[str, Extremes]
     pressures: dict[str, tuple[Ints, Extremes]]
-    """Numbers (k,) of nodes or elements, and the extremes there: "contact_pressure" at nodes of elastic areas,
-    "rigid_contact_pressure" on elements of rigid areas."""
+    """Numbers (k,) of the nodes on elastic areas with the extremes of "contact_pressure" at these nodes.
+
+    Also, numbers (k,) of the elements on rigid areas with the extremes of "rigid_contact_pressure".
+    """
     along: dict[int, Extremes]
-    """Extremes by index of the support in the model: pressures of areas at `pressure_places`, or reactions of points
-    along lines."""
+    """Extremes of an area's pressures at its `pressure_places`, or of the reactions of a line's points, by support."""
     on_lines: Extremes  # extremes of reactions per length and concentrated forces of all lines, see `Layout.on_lines`
-    open_in: tuple[Ints, ...]  # for each support, the number of results in which each of its points is open
-    lifted_in: tuple[Ints, ...]  # for each support, the number of results in which the plate has lifted off each point
+    open_in: tuple[Ints, ...]  # for each support and point, the number of results with this point open
+    lifted_in: tuple[Ints, ...]  # for each support and point, the number of results with lift-off
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -217,14 +220,14 @@ class Envelope:
     def field(self, name: str, mean: str = "") -> Ends:
         """Extremes of a field over all results and all nodes outside singular places.
 
-        If ``mean`` is "_mean", the extremes of the means at singular points. With several plates the name "plate.field"
-        is the field of one plate.
+        If ``mean`` is "_mean", these are the extremes of the field's means at singular points. With several plates
+        "plate.field" names the field of one plate.
         """
         high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
 
     def utilisation(self, field: str, check: Check) -> tuple[Floats, Ints]:
-        """Largest utilisation (n,) of a check of a field, and the rows (n,) that it comes from; NaN without a row."""
+        """Largest utilisation (n,) of a checked field at each node, and the row (n,) that has it; NaN without a row."""
         sides = self.fields[field].sides
         used = [np.where(by == NONE, -np.inf, check.used(values)) for values, by in sides]
         smallest = used[1] > used[0]
@@ -238,18 +241,18 @@ class Envelope:
         return places
 
     def on(self, plate: OfWhole) -> Envelope:
-        """The same envelope with only the fields of one of several plates."""
+        """Copy of the envelope in which `fields` has only the nodes of one of several plates."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
     def take_fields(self, result: ResultState, who: Ints) -> None:
-        """Extend the envelope by the fields of the result number ``who`` (1,)."""
+        """Extend the nodal extremes `fields` by one complete result; ``who`` (1,) is its number."""
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)
 
     def take(self, block: Block, rows: Ints) -> None:
-        """Extend the envelope by the rows (k,) of a block, whose results have an equilibrium."""
+        """Extend the envelope by those rows (k,) of a block whose results have an equilibrium."""
         if not len(rows):
             return
         layout, values, who = self.layout, block.values[rows], block.numbers[rows]
@@ -309,7 +312,7 @@ class Envelope:
 
     @property
     def rows(self) -> list[int]:
-        """Numbers of results with an extreme of a field, reaction or section, in that order; at most `_GOVERNING`."""
+        """Numbers of the governing results: extremes of fields, then reactions, then sections; at most `_GOVERNING`."""
         result = [self.field(name) for name in self.layout.fields]
         if "reaction" in self.fields:
             of = self.fields["reaction"]
@@ -325,9 +328,9 @@ class Envelope:
 
 
 def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
-    """Yield indices (k,) of maxima (``side`` 0) or minima in the catalogue, owners (k,), and index in `ENDS`.
+    """Yield where a catalogue has the maxima (``side`` 0) or minima (1) of fields, then of means at singular points.
 
-    The first tuple is for fields, the second for means.
+    Each tuple has the indices (k,) in the catalogue, the indices (k,) of the fields, and the index in `ENDS`.
     """
     homes: tuple[Home, Home] = ("field", "mean")
     for home, end in zip(homes, (side, side + len(SIDES)), strict=True):
@@ -336,7 +339,7 @@ def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
-    """Largest finite magnitude (n,) over k results of all numbers that have the same kind as each number."""
+    """For each of n numbers, the largest finite magnitude over k results among all numbers of the same kind."""
     values = np.where(np.isinf(values), 0.0, values)
     number_of = {kind: number for number, kind in enumerate(dict.fromkeys(kinds))}
     which = np.array([number_of[kind] for kind in kinds], np.int64)
@@ -354,7 +357,7 @@ Key = TypeVar("Key", str, float)
 
 
 class States(Remade, Generic[Key]):
-    """Results of one problem under several loads: a table with a row for each load, envelope, and governing rows."""
+    """Results of one problem under several loads: table with a row for each load, envelope, and governing rows."""
 
     problem: ContactProblem
 
@@ -375,7 +378,7 @@ class States(Remade, Generic[Key]):
     @property
     @abstractmethod
     def table(self) -> Mapping[str, Column]:
-        """Columns of the table by name: a number or a text for each row; docs/results.md describes the columns.
+        """Columns of the table by name, each with a number or a text for every row; docs/results.md describes them.
 
         Missing numbers are NaN.
         """
@@ -383,9 +386,9 @@ class States(Remade, Generic[Key]):
     @property
     @abstractmethod
     def envelope(self) -> Envelope:
-        """Extremes over all rows with an equilibrium, and the numbers (from 0) of the rows that have these extremes."""
+        """Extremes over all rows with an equilibrium, and the numbers (from 0) of the rows in which they occur."""
 
     @property
     def governing(self) -> tuple[Key, ...]:
-        """Keys of the rows with an extreme of a field, reaction or section force; at most `_GOVERNING`."""
+        """Keys of the governing rows, those with an extreme of a field, reaction or section; at most `_GOVERNING`."""
         return tuple(map(self.key, self.envelope.rows))

@@ -26,15 +26,15 @@ from signorini.results.result import Result
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Segment(Brief):
-    """Part of the path between two stops. No point opens or closes in it, so the answer is linear in t."""
+    """Segment of the path between two stops. No contact point changes its piece in it, so the answer is linear in t."""
 
-    begin: PathStop  # states of the plate at the begin and the end of the segment
+    begin: PathStop  # states of the plate at the first and the last t of the segment
     end: PathStop
-    pieces: Pieces  # (m,): piece of its law on which each contact point is
+    pieces: Pieces  # (m,): piece of its law on which each contact point is in the segment
 
     @property
     def jumps(self) -> bool:
-        """Whether begin and end have the same t: the plate is not held, and moves until other points hold it."""
+        """Whether the segment is a jump at one t: the plate is not held, and moves until other points hold it."""
         return self.begin.t == self.end.t
 
 
@@ -43,7 +43,7 @@ class Segment(Brief):
 class ExactPath(LoadPath):
     """A load path with a stop at every event of every contact point; between two stops everything is linear in t.
 
-    There are also stops at which redundant supports begin to distribute a reaction differently.
+    The path also stops where redundant supports begin to distribute a reaction differently among themselves.
     """
 
     _first: Pieces | None = None
@@ -65,7 +65,7 @@ class ExactPath(LoadPath):
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
         """Ranges of t in which several answers are right, and how these answers differ.
 
-        The stops have an answer that continues the path; `at` returns the least-norm answer.
+        At its stops the path has the answer that continues the path; `at` returns the least-norm answer.
         """
         result, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
         for segment in (self.segments[index] for index in self._doubtful):
@@ -86,7 +86,7 @@ class ExactPath(LoadPath):
         return "; ".join(part for part in (super().words(index), moves * jumps) if part)
 
     def _beside(self, t: float) -> Iterator[Floats]:
-        """Yield reactions (m,) at the middle of each segment that contains t or ends at t."""
+        """Yield the reactions (m,) at the middle of each segment, without jumps, that contains t or ends at t."""
         held = self.problem.discretisation.held.values
         for segment in self.segments:
             if segment.begin.t <= t <= segment.end.t and not segment.jumps:
@@ -121,7 +121,7 @@ class ExactPath(LoadPath):
         methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(discretisation, load, answer, made_of)
         if not certificate.passed:
-            # The contact state does not determine how redundant supports distribute a reaction.
+            # The contact state does not determine how redundant supports share a reaction: solve for this load.
             tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
@@ -135,7 +135,10 @@ class ExactPath(LoadPath):
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
-    """Yield reactions (m,) with given pieces at a much larger t, with any signs; none if the plate is not held."""
+    """Yield the reactions (m,), of either sign, at a much larger t with the contact points fixed on ``pieces``.
+
+    Nothing is yielded if these pieces do not hold the plate.
+    """
     start, add = (np.abs(load.nodal).max() for load in loads)
     far = t + max(t, start / add if start else 1.0)
     held = problem.discretisation.held.values

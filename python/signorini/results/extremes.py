@@ -26,9 +26,9 @@ places.
 
 
 def peak(values: Floats, places: Floats) -> int:
-    """Index of the largest of values (n,); among values equal to rounding, of the one with the least x, then y.
+    """Index of the largest of values (n,); if several are equal to rounding, that with the least x, then the least y.
 
-    ``places`` (n, 2) are the positions. Values of minus infinity do not count.
+    ``places`` (n, 2) are the positions of the values. Values of minus infinity do not count.
 
     Examples
     --------
@@ -46,11 +46,11 @@ def peak(values: Floats, places: Floats) -> int:
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes; among values equal to rounding, at the node with the least x, then y."""
+    """Extremes of a field over the nodes, with positions; ties have the position with the least x, then the least y."""
 
     max: float
     max_at: tuple[float, float]
-    # text for the singularity next to this extreme, at which the field is larger; otherwise empty
+    # text for the singularity near which a larger value is excluded; empty if no larger value is excluded
     max_beside: str
     min: float
     min_at: tuple[float, float]
@@ -84,13 +84,13 @@ class FieldExtremes:
 
 
 def least_at(name: str, area: float, at: Sequence[float], bars: Bars, nodes: StressNodes, thickness: Floats) -> bool:
-    """Whether an area of the field ``name`` at a node's place is the minimum for a thickness there."""
+    """Whether the required area ``area`` of bars at a node's position ``at`` is the minimum reinforcement there."""
     apart = np.hypot(*(nodes.points - np.asarray(at)).T)
     return bool(bars.are_least(name, area, thickness[apart <= apart.min()]).any())
 
 
 def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExtremes]:
-    """Extremes of each field over several plates."""
+    """Combine the extremes of each field of several plates into extremes over all of them."""
     result = {}
     for name in each[0]:
         most, least = (
@@ -110,16 +110,17 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
 _LINES |= {"as_x": [0], "as_y": [1]}
-"""Indices of the lines of `Beside` with means of a field, by its name without the face. Other moments have both lines
-through the point.
+"""Indices of the lines of `Beside` along which means of a field are taken, by the field's name without "_top" or
+"_bottom". For moments not listed both lines through the point are used.
 """
 
 
 def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools, bars: Bars | None) -> tuple[Floats, Ints]:
-    """Return the largest and the smallest mean (..., 2) of a field, and the indices (..., 2) of their points.
+    """Return a field's largest and smallest mean (..., 2) at singular points, and the indices (..., 2) of these points.
 
-    ``means`` (..., k, 10) are as in `means_of`; ``acting`` (..., k) marks the points that are singular. Derived fields
-    are computed from the means, with `Model.bars`. Without a singular point the values are NaN and the indices 0.
+    ``means`` (..., k, 10) are as in `means_of`; ``acting`` (..., k) is the mask of the points that are singular under
+    the load. Derived fields are computed from the means, with `Model.bars`. Without a singular point the values are NaN
+    and the indices 0.
     """
     peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.rsplit("_", 1)[0], [0, 1])
     moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
@@ -152,7 +153,7 @@ def extremes(
 ) -> dict[str, FieldExtremes]:
     """Find the extremes of the deflection, and of fields ``names`` of moments and shears outside singular places.
 
-    Extremes of means are those over the singular points.
+    ``means`` are the means at singular points, whose extremes are added.
     """
     numbers = {name: FIELDS[name].singular if name in PEAKING else "" for name in names}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
@@ -166,7 +167,7 @@ def extremes(
 def extremes_under(
     discretisation: Discretisation, cases: Collection[str], values: Floats, names: Sequence[str]
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of fields of one plate under load cases, from the linear fields (s, 8) at its stress nodes."""
+    """Find the extremes of fields ``names`` of one plate under load cases, from its linear fields (s, 8)."""
     moment, shear, bars = values[:, 3:6], values[:, 6:], discretisation.model.bars
     fields, means = dict(zip(LINEAR, values.T, strict=True)), Means.of(discretisation, moment, shear, cases)
     of_bars = at_faces(means.faces, moment, moment, discretisation.stress_nodes.points)
@@ -179,9 +180,10 @@ def extremes_under(
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the k points of `Beside`; ``acting`` (k,) marks points with a singularity.
+    """Means (k, 10) of one result at the k points of `Beside`, near which values are excluded.
 
-    ``faces`` are the columns at which bars are designed for moments at faces.
+    ``acting`` (k,) is the mask of the points that are singular under the load. ``faces`` are the columns whose bars are
+    designed for moments at the column's face.
     """
 
     beside: Beside
@@ -210,7 +212,7 @@ class Means:
 
     @cached_property
     def by_place(self) -> Mapping[tuple[float, float], dict[str, float]]:
-        """Means of moments and shears by position; of the means along two lines the larger in magnitude."""
+        """Means of moments and shears by position of the singular point; along two lines the larger in magnitude."""
         result: dict[tuple[float, float], dict[str, float]] = {}
         for (x, y), within, mean in zip(self.beside.places.tolist(), self.beside.within, self.values, strict=True):
             pairs = {"mx": mean[:1], "my": mean[4:5], "mxy": mean[[2, 5]], "qx": mean[6:8], "qy": mean[8:]}
@@ -221,6 +223,6 @@ class Means:
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
-    """Text for the nearest singularity of a result, such as "moment"."""
+    """Text for the singularity nearest to a position, among those that exclude ``number``, such as "moment"."""
     those = [one for one in singular if one.excludes(number) and one.where]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -26,7 +26,7 @@ from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Return the values of a combination's keys in results.json that are numbers of the result; see docs/results.md."""
+    """Return the part of a combination's JSON that has numbers of the result, such as "fields" and "supports"."""
     solved = result.status == "solved"
     ends = _all_places(result) if solved else {}
     deflection = ends.pop("deflection", None)
@@ -47,13 +47,13 @@ def figures(result: Result) -> dict[str, Any]:
 
 
 def _of_plate(result: Result) -> dict[str, Any]:
-    """JSON of one of several plates: the positions of its extremes."""
+    """JSON of one of several plates, with the positions of its extremes; `put` writes the extremes themselves."""
     ends = _all_places(result)
     return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
-    """Write the numbers (n,) of a catalogue at their paths into a tree of dicts and lists; None if not finite."""
+    """Write the numbers (n,) of a catalogue at their JSON paths into a tree of dicts and lists; None if not finite."""
     for one, value in zip(catalogue, values.tolist(), strict=True):
         shown = None if not np.isfinite(value) else int(value) if one.quantity.kind == "count" else value
         at: Any = tree
@@ -67,7 +67,7 @@ def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str,
 
 
 def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
-    """Replace the numbers of a tree by their half-widths: 0 for numbers of the input, None if unknown."""
+    """Copy a JSON tree with every number replaced by its half-width: 0 for numbers of the input, None if unknown."""
     match tree:
         case dict():
             return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}
@@ -81,19 +81,19 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
-"""Keys without half-widths: lists whose length depends on the mesh, and positions, which may not be unique."""
+"""Keys of numbers without half-widths: lists whose length depends on the mesh, and positions of extremes."""
 _GIVEN = {"at", "length", "width", "d", "rho", "fck", "fyk", *(f"{side}_width" for side in MEAN_SIDES)}
 
 
 def _probe(probe: ProbeResult) -> dict[str, Any]:
-    """JSON of a probe without the numbers of its catalogue."""
+    """JSON of a probe without its numbers, which `put` writes."""
     least = probe.minimum_governs
     of_bars = {} if least is None else {"minimum_governs": {face: list(of) for face, of in least.items()}}
     return {"at": list(probe.at), "pressure": None, **of_bars}
 
 
 def _all_places(result: Result) -> dict[str, dict[str, Any]]:
-    """JSON of the extremes of every field without the extremes themselves."""
+    """JSON of every field's extremes without their values, which `put` writes: positions, widths, `minimum_governs`."""
     ends, bars = {name: _places(name, of) for name, of in result.extremes.items()}, result.model.bars
     for name in ends:
         if name not in REINFORCEMENT or bars is None:
@@ -125,7 +125,7 @@ def _support(support: SupportResult) -> dict[str, Any]:
 
 
 def columns_named(model: Model) -> list[dict[str, Any]]:
-    """JSON of the columns of [[punching]] without their numbers."""
+    """JSON of the columns of [[punching]]: name and position of each, without numbers."""
     return [{"name": column.subject.removeprefix("punching:"), "at": list(column.at)} for column in model.columns]
 
 
@@ -150,10 +150,10 @@ def joints(result: Result) -> list[dict[str, Any]]:
 
 
 def _line(support: SupportResult) -> dict[str, Any]:
-    """JSON of a line: stations with the reaction per length, and with the couple of the element side that begins there.
+    """JSON of a support's line: each station has the reaction per length, and the couple of the side that begins there.
 
-    Couples are those of edges that hold the slope. At the last station of a run, where no side begins, the couple is
-    that of the side before.
+    Couples are those of edges that hold the slope. At the last station of a run no side begins; its couple is that of
+    the side that ends there.
     """
     edge, line = support.edge, support.line
     couples: dict[tuple[float, ...], dict[str, Any]] = {}
@@ -181,7 +181,7 @@ def _line(support: SupportResult) -> dict[str, Any]:
 
 
 def total(support: SupportResult) -> dict[str, Any]:
-    """JSON of the numbers that a support has as a whole, without those of its points."""
+    """JSON of the numbers of a support as a whole, such as its total reaction."""
     return {
         "reaction": support.reaction,
         "closed": support.closed_count,
@@ -200,12 +200,12 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 
 
 def check_names(checks: Sequence[Check]) -> dict[str, Any]:
-    """JSON of checks without the numbers of their catalogue; nothing without checks."""
+    """JSON of checks with value and utilisation null, as `put` fills them in later; empty without checks."""
     return {"checks": [{"name": check.name, "value": None, "utilisation": None} for check in checks]} if checks else {}
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
-    """JSON of sections and strips with names and positions; `put` writes results at the paths of the catalogue."""
+    """JSON of the names, lengths and positions of sections and strips; `put` adds their results."""
     lines = [{"name": section.name, "length": section.length} for section in sections]
     return {"sections": lines, "strips": [_strip(strip) for strip in strips]}
 

@@ -15,7 +15,7 @@ from signorini.results.state import ResultState
 
 
 def numbers_frame(result: ResultState) -> Any:
-    """Return the numbers of a result as a `pandas.DataFrame` with one row for each: value, unit and position."""
+    """Return the numbers of a result as a `pandas.DataFrame` with a row for each number: value, unit, x and y."""
     units, places = result.model.units, [place_of_number(result, one) for one in result.catalogue]
     nowhere = np.nan, np.nan
     columns = {
@@ -28,7 +28,7 @@ def numbers_frame(result: ResultState) -> Any:
 
 
 def place_of_number(result: ResultState, one: Number) -> tuple[float, float] | None:
-    """Position (x, y) to which a number of a result belongs; None if it has none."""
+    """Position (x, y) of a number, such as that of its probe or extreme; None for a number without position."""
     own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
     places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
         "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),

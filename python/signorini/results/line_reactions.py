@@ -1,8 +1,8 @@
 """Reactions per length along edges, lines and circles, with concentrated forces at their ends and corners.
 
 The line is divided into pieces with linear functions φⱼ of their ends j. Forces fᵢ of a support at coordinates tᵢ
-become Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction between corners and
-midsides as 1 : 4, thin elements irregularly. The forces Fⱼ show neither.
+become forces Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ at the ends (docs/theory.md, section 5). Quadratic elements divide a smooth reaction
+between corners and midsides as 1 : 4, thin elements irregularly. The forces Fⱼ do not alternate in this way.
 """
 
 from __future__ import annotations
@@ -31,33 +31,33 @@ from signorini.shapes import Ring
 from signorini.shapes.boxes import BoxTree
 
 CORNER = np.cos(np.radians(15.0))
-"""Cosine of the smallest angle by which a line turns at a corner. Between quadratic sides of a circle the line turns by
-less than 1°.
+"""Cosine of the smallest turn of a line that counts as a corner. Between two quadratic sides along a circle the tangent
+turns by less than 1°.
 """
 _APART = 2.0
-"""Distance of stations along a line that cuts elements, relative to the element size. The line holds the mean
-deflection of each element; the forces of neighbouring elements alternate.
+"""Distance of stations along a line that cuts elements, relative to the element size. Such a line holds the mean
+deflection of each element, and the forces of neighbouring elements alternate; a longer distance averages them.
 """
 _PARALLEL = 1e-9
-"""Largest eigenvalue that counts as zero, relative to the largest one. It occurs if all points on a rigid zone are on a
-straight line.
+"""Largest eigenvalue that counts as zero, relative to the largest eigenvalue. An eigenvalue of the fit of a linear
+reaction is zero if all points in a rigid zone are on a straight line.
 """
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
-"""Length of the zone at the end of a line in which the reaction per length is extrapolated: relative to the plate's
-thickness h; and its largest value, relative to the line's length. Mindlin's plate spreads the concentrated force at the
-end over a boundary layer of width δ = 0.32 h.
+"""Length of the zone at the end of a line in which the reaction per length is extrapolated: 3 times the plate's
+thickness h, at most a quarter of the run. A Mindlin plate spreads the concentrated force at the end over a boundary
+layer of width δ = 0.32 h.
 """
 _WIDTH, _SEEN = 10.0**-0.5, 2.65
-"""Width δ of the boundary layer relative to the thickness h, and the factor 2.65 in the resolved part x tanh(1/x), x =
-2.65 h/s, for element size s.
+"""Width δ of the boundary layer relative to the thickness h. The mesh shows x tanh(1/x) times this width, x = 2.65 h/s
+for elements of size s.
 """
 _NEIGHBOURS = 3
-"""Number of stations beyond the zone that determine the extrapolated parabola."""
+"""Number of stations beyond the end zone through which the extrapolated parabola passes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Pieces of a line: end points (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
+    """Pieces of a support's line: end points (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
 
     ``sides`` (k, 3) are the element sides that form the pieces; None where the line cuts elements.
     """
@@ -81,7 +81,7 @@ class Pieces:
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
             for on in _runs_of(elements >= 0):
                 own = stops[on[0] : on[-1] + 2]
-                # A piece of a circle is at most a third of the circle, so that the ends of the piece differ.
+                # A piece is at most a third of a circle; the two ends of a whole circle would be one point.
                 turns = 3.0 * (own[-1] - own[0]) / (stops[-1] - stops[0]) if isinstance(where.curve, Ring) else 1.0
                 count = max(1, round(turns), int((own[-1] - own[0]) / size))
                 wanted = np.linspace(own[0], own[-1], count + 1)
@@ -92,7 +92,7 @@ class Pieces:
         return cls(ends, tangents, lengths, None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
-        """Order the pieces in smooth runs; all pieces of a run have the direction of its first piece.
+        """Order the pieces so that they form smooth runs; all pieces of a run point in the same direction along it.
 
         Returns the pieces, the vertices (k, 2) at the ends of each piece, and a mask (v,) of the vertices at which the
         line is smooth. Ends nearer than ``near`` are one vertex.
@@ -143,9 +143,9 @@ class Pieces:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Line:
-    """Stations (k,) along the line of a support, and matrices from the support's forces to reactions per length.
+    """Stations (k,) along the line of a support, and matrices that map the support's forces to reactions per length.
 
-    ``vertex`` (k,) is the vertex 0 ≤ vertex < v of each station; where the line turns a corner, one vertex has two
+    ``vertex`` (k,) is the vertex of each station, from 0 to v − 1; at a corner of the line, one vertex has two
     stations. ``lengths`` (k,) are the parts of the line that stations represent, ``normals`` (k, 2) point to the right
     of the line. ``pieces`` (k,) are the numbers of the pieces that begin at the stations, −1 at the end of a run.
     """
@@ -162,9 +162,9 @@ class Line:
     couples: csr_array | None
     # (k, k): maps means at stations to reactions per length, which are extrapolated at ends of the line
     extrapolated: csr_array
-    # (k,): for each station in the zone of an end, a station beyond this zone; for other stations the station itself
+    # (k,): for a station in the zone at an end of the line, a station beyond it; for others the station itself
     beside: Ints
-    zones: csr_array  # (c, v): 1 at the vertices in the zone of each corner with a concentrated force
+    zones: csr_array  # (c, v): 1 at the vertices in the end zone of each concentrated force
     corners: Floats  # (c, 2): positions of the corners and ends that have a concentrated force
     one_sided: bool
     points_s: Floats  # (p,): length along the line from its beginning to each point of the support
@@ -189,7 +189,7 @@ class Line:
         on, t = pieces.locate(SupportPoints.of(discretisation, index).positions)
         layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
         if "twist" in support.fixed:
-            # Where two edges that hold the twist meet, there is no boundary layer.
+            # There is no boundary layer at a node where two edges that hold the twist meet.
             held = sides_that_hold_turns(discretisation.model, mesh)[:, [0, 2]]
             meeting = np.append(np.bincount(held.ravel(), minlength=mesh.node_count), 0)
             layer[meeting[mesh.nodes_at(pieces.ends[piece, end])] > 1] = 0.0
@@ -222,8 +222,8 @@ class Line:
     def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
         """Reactions per length (..., k) at stations, and concentrated forces (..., c) at corners and ends.
 
-        ``forces`` (..., p) are the forces of the support's points, ``couples`` (..., v) the forces at vertices that
-        represent twisting couples.
+        ``forces`` (..., p) are the forces of the support's points. ``couples`` (..., v) are forces at vertices that are
+        equivalent to the twisting couples of the edge.
         """
         at_vertices = (self.forces @ forces.T).T + (0.0 if couples is None else couples)
         whole = np.bincount(self.vertex, self.lengths)
@@ -232,7 +232,7 @@ class Line:
         next_to = mean[..., self.beside]
         per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
-            # Reactions per length and concentrated forces must have the sign of the support's reaction.
+            # On a one-sided line, reactions per length and concentrated forces have the sign of the mean reaction.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
         np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
@@ -240,7 +240,7 @@ class Line:
 
 
 def lines_of(discretisation: Discretisation) -> dict[int, Line]:
-    """Lines of supports by index of the support in the model; a line between two plates is that on the upper plate."""
+    """Lines of supports by index of the support in the model; a line between two plates is read on the upper plate."""
     result = {}
     for plate in discretisation.members:
         for index, support in enumerate(plate.own.model.support):
@@ -343,10 +343,10 @@ class LineReactions(Remade):
 
 
 def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
-    """Matrix (v, p) from the forces of a support's p points to forces at v vertices, linear along each piece.
+    """Matrix (v, p) that maps forces of a support's p points to forces at v vertices, with φⱼ linear along each piece.
 
     In a rigid zone only the resultant and the moments of the reactions are determinate: there the reaction per length
-    is assumed to be linear. Forces of points that can open are not changed.
+    is assumed to be linear. Supports that can open have no such assumption.
     """
     points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
     on, t = pieces.locate(points.positions)
@@ -379,12 +379,12 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
 
 
 def _body(bodies: Bodies, nodes: Ints) -> Ints:
-    """Leading nodes (q,) of the rigid zones that contain nodes (q,); −1 for nodes outside rigid zones."""
+    """For each of nodes (q,), the leader of the rigid zone that contains the node; −1 outside rigid zones."""
     return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
 
 
 def _runs_of(which: Bools) -> list[Ints]:
-    """Arrays of consecutive indices at which a mask (k,) is True, one for each run."""
+    """Runs of consecutive indices at which a mask (k,) is True, as one array for each run."""
     (numbers,) = np.nonzero(which)
     return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 
@@ -395,11 +395,13 @@ def _concentrates(support: Support) -> bool:
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
-    """Matrix (k, k) from means at stations to reactions per length, by `_at_end` at ends of runs not ``smooth`` (k,).
+    """Matrix (k, k) that maps mean reactions at stations to reactions per length, extrapolated by `_at_end` at ends.
 
-    ``layer`` (k,) is the thickness that causes a boundary layer at a station, 0 without layer. The second array (k,)
-    is, for a station in the zone of an end, the station of the end, −1 for others. The third (k,) is the station whose
-    mean bounds the reaction per length of each station.
+    An end is the first or last station of a run, unless it is in ``smooth`` (k,).
+
+    ``layer`` (k,) is the thickness that causes a boundary layer at a station, 0 without a layer. The second returned
+    array (k,) has for a station in an end zone the station of this end, −1 for other stations. The third array (k,) has
+    for each station a station whose mean, with its own, bounds the reaction per length.
     """
     count = sum(len(run) + 1 for run in runs)
     result, toward, beside = eye_array(count, format="lil"), np.where(smooth, -1, np.arange(count)), np.arange(count)
@@ -418,11 +420,12 @@ def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floa
 
 
 def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
-    """Columns (m,) and weights (z, m): reactions per length at the first z stations from means at m stations.
+    """Weights (z, m) of the means at stations ``columns`` (m,) in the reactions per length at the first z stations.
 
-    ``lengths`` are those of the pieces. If the layer is longer than the first piece, the parabola through stations
-    beyond the layer is extrapolated. In a shorter layer the concentrated force Q has its centroid at the distance e h₀
-    from the end, with e = δ/h₀ and the length h₀ of the first piece. So eQ is part of the force at the second station.
+    ``lengths`` are the lengths of the pieces. If the end zone contains more than the first station, the parabola
+    through stations beyond the zone is extrapolated. If it contains only the first station, the concentrated force Q
+    has its centroid at the distance e h₀ from the end, with e = δ/h₀ and the length h₀ of the first piece. So eQ is
+    part of the force at the second station.
     """
     s = np.append(0.0, np.cumsum(lengths))
     reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
@@ -444,7 +447,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
-    """Weights (n,) of the means at n stations ``near`` that give the mean at ``station`` exactly for polynomials."""
+    """Weights (n,) that give the mean at ``station`` from the means at stations ``near``, exactly for polynomials."""
     every = [station, *near]
     before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
     s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
@@ -458,7 +461,7 @@ def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
 def _force_pairs(
     discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
 ) -> csr_array | None:
-    """Matrix (v, 2n): forces ±C/h at the ends of each side of length h, for the couple C that holds its twist."""
+    """Matrix (v, 2n) that maps couples to forces ±C/h at the ends of sides of length h; C holds the side's twist."""
     if (sides := pieces.sides) is None:
         return None
     mesh, held = discretisation.mesh, discretisation.held.bodies.inside
@@ -471,10 +474,10 @@ def _force_pairs(
 
 
 def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bools) -> csr_array:
-    """Matrix (k, 2n) from couples on n nodes to their means per length on sides (k, 3), along directions (k, 3, 2).
+    """Matrix (k, 2n) that maps couples of n nodes to mean couples per length of sides (k, 3).
 
-    A nodal couple is spread over the length that its node represents. Only nodes in the mask ``alone`` (k, 3)
-    contribute.
+    Only the component along ``directions`` (k, 3, 2) counts. A nodal couple is spread over the length that its node
+    represents. Only nodes in the mask ``alone`` (k, 3) contribute.
     """
     length = side_lengths(mesh, sides)
     whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
@@ -489,7 +492,7 @@ def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bool
 
 
 def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
-    """Mask (k, 3) of the nodes of sides at which no other held side ends, except a straight continuation."""
+    """Mask (k, 3) of the nodes of sides at which no other side in ``held`` ends, except a straight continuation."""
     tangents = quadratic_tangents(mesh, sides)
     _, once = np.unique(held[:, 1], return_index=True)
     meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))

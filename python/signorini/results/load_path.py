@@ -1,4 +1,4 @@
-"""A load path: stops, named events, thresholds, and the result at any t on the path."""
+"""A load path start + t add: stops, named events, thresholds, and the result at any t on the path."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
     from signorini.plot.curves import Figure
 
 AT_LIMIT = 1e-6
-"""Distance from the limit of equilibrium at which t counts as at the limit, relative to the limit. There, the plate can
-almost move in every contact state.
+"""Distance from the limit of equilibrium within which t counts as at the limit, relative to the limit: at the limit the
+plate is almost free to move in any contact state.
 """
 
 _DRAWN = 2.0
 """Largest ratio of deflection to thickness that is drawn; the theory does not hold for larger deflections."""
 
 _AFTER = 2.0
-"""If the path has no other end, ratio of the last t that is drawn to the t of the last event."""
+"""Last t that is drawn, relative to the t of the last event, if the path has no other end."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -115,17 +115,17 @@ class LoadPath(States[float]):
 
     @property
     def end(self) -> float:
-        """The t of the last stop; with ending "no_more_events" the last segment continues to any larger t."""
+        """The t of the last stop; if ``ending`` is "no_more_events", the last segment continues to any larger t."""
         return self.stops[-1].t
 
     @property
     def ends_with_the_mesh(self) -> bool:
-        """Whether the path ends because contact points of the mesh cannot balance the load, but outlines could."""
+        """Whether the path ends because contact points cannot balance the load, though the supports' outlines could."""
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the model and the deflections along the path."""
+        """Warnings about the model, and about deflections along the path that exceed the thickness."""
         discretisation = self.discretisation
         thinnest = bending_thickness(discretisation).min()
         acting = self._loads[0].acting | self._loads[1].acting
@@ -137,7 +137,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def mechanism(self) -> str:
-        """Text for the motion at the end of equilibrium, such as "tips about the line x = 2"; otherwise empty."""
+        """How the plate moves at the end of equilibrium, such as "tips about the line x = 2"; else an empty text."""
         if self.ending != "no_equilibrium":
             return ""
         discretisation, freedom = self.discretisation, self.problem.freedom
@@ -166,7 +166,7 @@ class LoadPath(States[float]):
 
     @property
     def table(self) -> Mapping[str, Column]:
-        """Columns by name, with a row for each stop: t, event, and the columns as in a table of combinations."""
+        """Columns by name, with a row for each stop: "t", "event", and numbers as in a table of combinations."""
         return self._tabulated[0]
 
     @property
@@ -194,7 +194,7 @@ class LoadPath(States[float]):
         return (self._result(stop.t) for stop in self.stops)
 
     def words(self, index: int) -> str:
-        """Describe the supports' changes and the thresholds at a stop, given its number from 0."""
+        """Describe how supports change and which thresholds are reached at a stop, given the stop's number from 0."""
         index = arguments.index(index, len(self.stops), "stop", "index")
         pulling = {support.name for support in self.model.support if support.direction == "up"}
         event = in_words([self.support_events[number] for number in self.events_at.get(index, ())], pulling)
@@ -204,7 +204,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def events_at(self) -> Mapping[int, Sequence[int]]:
-        """Numbers of the named events at each stop; the keys are the numbers of the stops."""
+        """Indices in `support_events` of the events at each stop, by number of the stop."""
         result: dict[int, list[int]] = {}
         for number, event in enumerate(self.support_events):
             result.setdefault(event.row, []).append(number)
@@ -212,7 +212,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def reached_at(self) -> Mapping[int, Sequence[int]]:
-        """Numbers of the thresholds that are reached at each stop; the keys are the numbers of the stops."""
+        """Indices in `thresholds` of the thresholds that are reached at each stop, by number of the stop."""
         result: dict[int, list[int]] = {}
         at = {stop.t: row for row, stop in enumerate(self.stops)}
         for number, one in enumerate(self.thresholds):
@@ -276,7 +276,7 @@ class LoadPath(States[float]):
 
     @property
     def _drawn(self) -> float | None:
-        """The t at which deflections exceed the drawn range; None if that is before the first event, or never."""
+        """The t at which deflections exceed `_DRAWN` times the thickness; None if before the first event, or never."""
         thickness = bending_thickness(self.discretisation)
         places = np.array(
             [stop.smallest_at if stop.utmost == stop.smallest else stop.largest_at for stop in self.stops]
@@ -290,12 +290,12 @@ class LoadPath(States[float]):
 
     @property
     def _last(self) -> float | None:
-        """End of the drawn range of t, if the last event is known and the answer is linear in t after it."""
+        """Largest drawn t of a path that has no end, `_AFTER` times the t of the last event; None for other paths."""
         events = self.support_events
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
     def at(self, t: float) -> Result:
-        """Result at t, with its certificate: the answer that `solve` gives.
+        """Result at t, with its certificate; `solve` gives the same answer for this load.
 
         Raises
         ------
@@ -313,7 +313,7 @@ class LoadPath(States[float]):
         return self._result(t)
 
     def load_at(self, t: float) -> Combination:
-        """Load at t, as factors of the load cases."""
+        """Load at t as a combination: the factors of the load cases."""
         factors = dict[str, float]()
         for name, times in ((self.start, 1.0), (self.add, t)):
             for case, factor in factors_named(self.discretisation, name).items():
@@ -326,15 +326,15 @@ class LoadPath(States[float]):
 
 
 def motion_of(path: LoadPath) -> str:
-    """`LoadPath.mechanism` with its subject, such as "the plate tips about the line x = 2"; empty without motion."""
+    """`LoadPath.mechanism` with a subject, "the plate tips about the line x = 2"; empty if `mechanism` is empty."""
     return f"the plate {path.mechanism}" if path.mechanism and not path.model.plates else path.mechanism
 
 
 def typical_t(path: LoadPath) -> float:
-    """The t at which a report draws fields: 1 if it is inside the path, else a t away from the end of equilibrium.
+    """The t at which a report draws fields: t = 1 if the path goes beyond it.
 
-    That is the last event before the end of equilibrium, or half of its t without an event. On a path that ends
-    otherwise it is the end.
+    A shorter path that ends at a requested t, or after which no more events occur, is drawn at its end. Any other path
+    is drawn at the last event before its end, or halfway if there is no such event.
     """
     inside = path.end * (1 - AT_LIMIT)
     if inside > 1.0:
@@ -345,7 +345,7 @@ def typical_t(path: LoadPath) -> float:
 
 
 def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:
-    """Factors of load cases in a named load: a load case or, if none has the name, a combination; empty for None."""
+    """Factors of the load cases in a load given by name, a load case or else a combination; empty for None."""
     if name is None or name in discretisation.cases:
         return {} if name is None else {name: 1.0}
     return next(one.factors or {} for one in discretisation.model.effective_combinations if one.name == name)
@@ -363,6 +363,9 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
-    """Both parts of the load, at t or at another t at which both parts count; `certify` needs them."""
+    """The parts of the load, start and t add, relative to which `certify` tolerates rounding.
+
+    The t is raised where add would be negligible compared with start.
+    """
     start, add = (float(np.abs(load.nodal).max()) for load in loads)
     return loads[0], max(t, start / add if start and add else 1.0) * loads[1]

@@ -20,12 +20,12 @@ from signorini.results.quantities import PRESSURE, along_strips, derived
 
 _FACES = ("top", "bottom")
 _ALONG = 1e-6
-"""Largest component across an axis of the unit tangent of a strip along this axis."""
+"""Largest component of a strip's unit tangent across the x or y axis at which the strip counts as along this axis."""
 
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """Results at a point of the plate; where moments or shears jump, the values that are larger in size.
+    """Results at a point of the plate; where moments or shears jump, the values of larger magnitude are given.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ class ProbeResult:
     def reinforcement(self) -> dict[str, tuple[float, float]] | None:
         """Required reinforcement along x and y at "bottom" and "top", area per length; None without [reinforcement].
 
-        It is infinite where the section cannot resist the design moment.
+        The area is infinite where the section cannot resist the design moment.
         """
         return self._at_faces("as_x", "as_y") if self.bars else None
 
     @property
     def minimum_governs(self) -> dict[str, tuple[bool, bool]] | None:
-        """Whether each `reinforcement` is the minimum; None without [reinforcement]."""
+        """Whether each area of `reinforcement` is the code's minimum reinforcement; None without [reinforcement]."""
         bars, areas = self.bars, self.reinforcement
         if bars is None or areas is None:
             return None
@@ -109,9 +109,10 @@ class ProbeResult:
 
     @property
     def stress(self) -> dict[str, tuple[float, ...]]:
-        """Stresses of a solid plate, tension positive: σx, σy, τxy at "top" and "bottom", "von_mises" there, "shear".
+        """Stresses of a solid plate: σx, σy, τxy at "top" and "bottom", tension positive; "von_mises"; "shear".
 
-        Shear is τxz, τyz at mid-depth. All are NaN where a stiffness is given instead of a solid section.
+        The two von Mises stresses are those at the top and the bottom. Shear stresses are τxz, τyz at mid-depth. All
+        are NaN where a stiffness is given instead of a solid section.
 
         Examples
         --------
@@ -126,9 +127,9 @@ class ProbeResult:
 def probe_results(
     positions: Floats, fields: Floats, pressures: Floats, thickness: Floats, bars: Bars | None, of_bars: Floats
 ) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), pressures (q,), which are NaN off areas, and thickness (q,).
+    """Results of probes at positions (q, 2), from fields (q, 8), pressures (q,) and thickness (q,) there.
 
-    ``bars`` are `Model.bars`, ``of_bars`` (q, 3) the moments for which they are designed.
+    Pressures are NaN off area supports. ``bars`` are `Model.bars`, ``of_bars`` (q, 3) the moments for their design.
     """
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist(), of_bars.tolist()
     return tuple(
@@ -141,7 +142,7 @@ def probe_results(
 
 
 def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
-    """Interpolate fields (s, f) to positions (q, 2): values (q, f); where a field jumps, the larger in magnitude."""
+    """Interpolate fields (s, f) to positions (q, 2); where a field jumps, take the value of larger magnitude."""
     sides = nodes.sides(positions, where)
     return sides.larger(nodes.at(sides, fields))
 
@@ -160,7 +161,7 @@ def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class ProfileResult:
-    """Fields at the stations (k,) of a line; where a field jumps, the value larger in size.
+    """Fields at the stations (k,) of a line; where a field jumps, the value of larger magnitude.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ class ProfileResult:
     values: Mapping[str, Floats]
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the row of each station: its values by column; None where a value is missing."""
+        """Yield a row for each station, with values by name of the column; None where a value is missing."""
         columns = {"distance": self.distance, "x": self.at[:, 0], "y": self.at[:, 1], **self.values}
         for row in zip(*(column.tolist() for column in columns.values()), strict=True):
             yield {name: None if np.isnan(value) else value for name, value in zip(columns, row, strict=True)}
@@ -214,7 +215,7 @@ def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:
 
 @dataclass(frozen=True)
 class SectionResult:
-    """Force and moments that the part on the right of a line exerts on the part on its left, summed along the line.
+    """Force and moments, integrated along a line, that the plate on its right exerts on the plate on its left.
 
     Parameters
     ----------
@@ -253,7 +254,7 @@ class SectionResult:
 
 @dataclass(frozen=True)
 class StationResult:
-    """Means across a strip at one of its stations, over its width on the plate.
+    """Mean moment, twist and shear across a strip at a station, over the width of the strip that is on the plate.
 
     Parameters
     ----------
@@ -284,7 +285,7 @@ class StationResult:
 
 @dataclass(frozen=True)
 class StripResult:
-    """Mean moments, twists and shears of a strip at its stations.
+    """Mean moments, twists and shears across a strip at its stations.
 
     Examples
     --------
@@ -316,22 +317,22 @@ class StripResult:
 
 
 class SectionsAndStrips(TypedDict):
-    """Keyword arguments of a result for its sections and strips."""
+    """Results of all sections and strips of a model, by name of the keyword arguments of `ResultState`."""
 
     sections: Listed[SectionResult]
     strips: Listed[StripResult]
 
 
 _ACROSS = 9
-"""Number of points across a strip at which its thickness is sought."""
+"""Number of points across a strip among which the least thickness is sought."""
 
 
 @kept
 def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
-    """Least thickness (c,) across the strips of one plate at their cross lines, and axis of the strip there.
+    """Least thickness (c,) of one plate along each cross line of its strips, and the direction (c,) of the strip there.
 
-    The axis is 0 for x, 1 for y, −1 for other directions. The thickness is NaN where the section is given by its
-    stiffness.
+    Cross lines are those at stations, then those at faces of columns. The direction is 0 for x, 1 for y, −1 for others.
+    The thickness is NaN where the section is given by its stiffness.
     """
     nodes, strips, faces = discretisation.stress_nodes, discretisation.model.strip, discretisation.sections.faces
     across = [ends for strip in strips for ends in strip.across]
@@ -349,9 +350,10 @@ def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
 
 
 def designed(discretisation: Discretisation, what: str, through: Floats) -> Floats:
-    """Design moments or required reinforcement (..., c) at c stations of strips from means (..., c + f, 3).
+    """Design moments or required reinforcement (..., c) at c stations of strips, from means (..., c + f, 3).
 
-    The last f means are at faces of columns. A station in a column has the value of its larger face.
+    The last f means are at faces of columns. A station inside a column has the larger of the values at the column's
+    faces.
     """
     values = along_strips(what, through, *strip_sections(discretisation), discretisation.model.bars)
     faces = np.array([station for station, _ in discretisation.sections.faces], np.int64)
@@ -364,7 +366,7 @@ def designed(discretisation: Discretisation, what: str, through: Floats) -> Floa
 
 
 def least_along(discretisation: Discretisation, face: str, areas: Sequence[float]) -> Bools:
-    """Whether areas (c,) of bars along strips at their stations are the minimum for the thickness there."""
+    """Mask (c,) of the stations of strips at which the required area is the minimum reinforcement for the thickness."""
     bars, count, (thickness, axis) = discretisation.model.bars, len(areas), strip_sections(discretisation)
     assert bars is not None  # There are no areas of bars without [reinforcement].
     x, y = (bars.are_least(f"as_{name}_{face}", np.array(areas), thickness[:count]) for name in "xy")
@@ -372,7 +374,7 @@ def least_along(discretisation: Discretisation, face: str, areas: Sequence[float
 
 
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
-    """Results of sections and strips, from the numbers (3s,) that `Discretisation.through` gives."""
+    """Results of sections and strips from ``through`` (3s,): moment, twist, shear of each section and each station."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=False))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]

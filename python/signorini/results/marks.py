@@ -1,4 +1,4 @@
-"""Marks and panels of pictures: supports, loads, zones and places of a model as marks, fields as panels of pictures."""
+"""Content of pictures: marks of supports, loads, zones, edges and singularities of a model; panels of fields."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ _MOST_EDGES = 40
 _MOST_NUMBERS = 100
 """Largest number of points of supports that are numbered in a picture."""
 _SAME = 1e-9
-"""Largest difference of x at which positions of edge names count as equal, relative to the plate's size."""
+"""Tolerance for equal x of the two possible positions of an edge's name, relative to the plate's size."""
 _ALONG = 200
-"""Number of parts into which a line is divided; each part is drawn as open or closed, as its nearest contact point is.
+"""Number of parts into which a drawn line is divided; each part is drawn open or closed like the nearest contact point.
 """
 _SOIL = "BrBG_r"
 """Colour map for the stiffness of elastic areas."""
@@ -71,7 +71,7 @@ def support_mark(
     numbers: Sequence[str] = (),
     words: str = "",
 ) -> SupportMark:
-    """Mark of a support at positions (k, 2); ``closed`` (k,) is whether they are closed, None before the solution.
+    """Mark of a support with points at positions (k, 2); ``closed`` (k,) is their mask, None before the solution.
 
     ``numbers`` are drawn beside the positions, ``words`` follow the support's kind in the legend.
     """
@@ -120,7 +120,7 @@ def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[st
 
 
 def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
-    """Texts with gap, preload and tightening order: one common to all points of a support, and one for each point."""
+    """Gap, preload and tightening order of a support as text: a common text, and a text for each point."""
     same, each = "", [""] * len(positions)
     for key, kind, values in written_at(support, positions):
         unit = getattr(units, kind, "")
@@ -154,7 +154,7 @@ def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> Pressur
 
 
 def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
-    """Marks of the supports of a model that is not solved; points are labelled with gaps, preloads and orders."""
+    """Marks of the supports of a model before its solution; points are labelled with gap, preload, tightening order."""
     marks, model = [], discretisation.model
     places = [SupportPoints.of(discretisation, index).positions for index in range(len(model.support))]
     numbers = _numbers(model.support, [len(one) for one in places])
@@ -245,7 +245,7 @@ def load_marks(discretisation: Discretisation) -> list[LoadMark]:
 
 
 def _under(mesh: Mesh, load: Load) -> Floats:
-    """Positions (k, 2) on the plate at which a load's values are taken for its range, ends of lines included."""
+    """Positions (k, 2) on the plate at which a load is evaluated to find its smallest and largest value."""
     if load.at is not None:
         return np.array(load.at)
     if load.place == "area" and load.where.region is None:
@@ -258,7 +258,7 @@ def _under(mesh: Mesh, load: Load) -> Floats:
 
 
 def _value(load: Load, sizes: Floats, units: Units) -> str:
-    """Text for the magnitude of a load with its unit; its mark shows the direction."""
+    """Text for the magnitude of a load with its unit; the arrow or mark of the load shows the direction."""
     unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
     if load.couple_about is not None:
         axes = ((axis, getattr(load.couple_about, axis)) for axis in ("x", "y"))
@@ -287,7 +287,7 @@ def resultant_of(discretisation: Discretisation, case: str) -> tuple[float, floa
 
 
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
-    """Texts with the sum of forces of each load case that does not move; for a case without forces, of couples."""
+    """Text for the resultant of each load case without moving loads: the force or, if it is 0, the couples."""
     units, sums = discretisation.model.units, {}
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
         force, *couple = resultant_of(discretisation, case)
@@ -299,9 +299,9 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
-    """Marks with the names of edges, before the middle of each edge, where no values of loads are drawn.
+    """Marks with the names of edges. A name is placed before its edge's middle, where a load's value may be drawn.
 
-    If there are too many names, those of the sides of holes are left out; if there are still too many, all.
+    If there are too many names, the sides of holes are not named; if there are still too many, no edge is named.
     """
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
@@ -401,7 +401,7 @@ def support_marks(result: ResultState) -> list[SupportMark]:
 
 
 def perimeter_marks(lines: Sequence[Floats]) -> list[SupportMark]:
-    """Mark of control perimeters, given the points (k, 2) along their parts; none without lines."""
+    """Mark of the control perimeters of columns, given as polylines (k, 2); empty without polylines."""
     places = np.concatenate([_BREAK, *(part for line in lines for part in (line, _BREAK))])
     mark = SupportMark("punching", "perimeter", places, style="line", words="control perimeters")
     return [mark] if lines else []
@@ -475,7 +475,7 @@ def panel(
 
 
 def drawable(values: Floats) -> Floats:
-    """Values (n,) with the largest finite value in place of infinite values, which no contour can show."""
+    """Replace infinite ones of values (n,), which contours cannot show, by the largest finite value."""
     return np.where(np.isinf(values), values[np.isfinite(values)].max(initial=0.0), values)
 
 
@@ -486,7 +486,7 @@ def discs(excluded: Iterable[Singularity]) -> Floats:
 
 
 _NONE = 1e-9
-"""Smallest concentrated force that is labelled, relative to the line's total reaction."""
+"""Smallest concentrated force that is labelled, relative to the sum of the magnitudes of the line's reactions."""
 
 
 def line_diagram(
@@ -516,7 +516,7 @@ def line_diagram(
 
 
 def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
-    """Diagram of the largest and smallest reactions per length and concentrated forces (2, k + c) of a line."""
+    """Diagram of the envelope of a line; ``ends`` (2, k + c) are maxima and minima at k stations and c corners."""
     per_length, corners = ends[:, : len(line.s)], ends[:, len(line.s) :]
     begins = np.append(True, line.pieces[:-1] < 0)
     words = []
@@ -533,9 +533,9 @@ def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
 
 
 def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]:
-    """Stations whose values are labelled: the largest in magnitude of each run, and negative ones among ``ends``.
+    """Stations at which a line's diagram is labelled: the largest magnitude of each run, and extremes ``ends`` below 0.
 
-    A positive smallest value does not govern a design.
+    A smallest value that is positive has no label, since it does not govern a design.
     """
     firsts = [*np.flatnonzero(begins).tolist(), len(values)]
     result = [a + int(np.abs(values[a:b]).argmax()) for a, b in pairwise(firsts)]
@@ -543,9 +543,9 @@ def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]
 
 
 def extreme(name: str, value: float, told: bool, width: float | None, largest: float = 0.0) -> str:
-    """Label of an extreme: its value and, if ``told``, its half-width; ± ? if that is unknown.
+    """Label of an extreme: its value and, if ``told``, its half-width ``width``; "± ?" if the half-width is None.
 
-    Relative to ``largest`` rounding errors are 0.
+    A value that is only a rounding error of ``largest`` is written as 0.
 
     Examples
     --------

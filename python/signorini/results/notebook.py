@@ -1,4 +1,4 @@
-"""Notebook views of results and of load paths: a picture, and tables of supports and other numbers."""
+"""HTML of results and of load paths for notebooks: a picture, and tables of supports and other numbers."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from signorini.results.support_result import SupportResult, symbol
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'
 _LISTED = ("sections", "strips", "checks", "punching")
-"""Lists of results.json whose numbers have a table."""
+"""Keys of results.json whose lists are shown as tables."""
 _Row = tuple[Sequence[str], Sequence[str]]
 """Cells of one row of a table: first texts, then numbers."""
 _MOST_POINTS = 20
-"""Largest number of points of a support that are listed, as in the tables of the command."""
+"""Largest number of points of a support that a table lists, as in the tables that the command prints."""
 
 
 def supports_table(
@@ -34,7 +34,7 @@ def supports_table(
     units: Units,
     widths: Sequence[Mapping[str, Any]] | None = None,
 ) -> str:
-    """Write a table in HTML: kind of each support, its reaction, reactions of its points, pressures of areas.
+    """Write a table of supports in HTML: kind, reaction, reactions of points, pressures of areas.
 
     Numbers have a ± if half-widths are known. If a support has many points, those with the largest reactions are
     listed.
@@ -73,7 +73,7 @@ def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -
 
 
 def _table(heads: Sequence[str], titles: Sequence[str], rows: Iterable[_Row]) -> str:
-    """Write a table in HTML: left columns of texts, right columns of numbers, under their titles."""
+    """Write a table in HTML: columns of texts with titles ``heads``, then columns of numbers with ``titles``."""
 
     def line(tag: str, words: Sequence[str], numbers: Sequence[str]) -> str:
         cells = [(_WORDS, text) for text in words] + [(_NUMBER, text) for text in numbers]
@@ -88,7 +88,7 @@ def _written(value: float, widths: Mapping[str, Any] | None, key: str, size: flo
 
 
 def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, list[float]]], units: Units) -> str:
-    """Write the stops of a load path in HTML: t, events, the largest deflection, reactions of supports."""
+    """Write a table of a load path's stops in HTML: t, events, largest deflection, reactions of supports."""
     titles = [f"largest deflection{in_unit(units.length)}", *(f"{name}{in_unit(units.force)}" for name in supports)]
     rows = (([t, event], [f"{value:.6g}" for value in (most, *reactions)]) for t, event, most, reactions in stops)
     return _table(["t", "event"], titles, rows)
@@ -103,7 +103,7 @@ def picture_of(figure: Any) -> str:
 
 
 def _other_numbers(result: ResultState, plus_minus: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield a table for each list of numbers of sections, strips and the like, with a row for each entry."""
+    """Yield a table for each list of `_LISTED` in the result, with a row for each section, strip, check or column."""
     tables: dict[str, dict[str, dict[str, str]]] = {}
     pairs = zip(result.catalogue, result.numbers.tolist(), strict=True)
     listed = [(one, value) for one, value in pairs if one.path[0] in _LISTED and len(one.path) == 3]
@@ -124,7 +124,10 @@ def _other_numbers(result: ResultState, plus_minus: Mapping[str, Any] | None) ->
 def in_notebook(
     result: ResultState, plus_minus: Mapping[str, Any] | None, of_mesh: str, *, pictured: bool = True
 ) -> str:
-    """Write a result as HTML, with half-widths and their meshes if there are any; ``pictured``: with the deflection."""
+    """Write a result as HTML, with half-widths and the text ``of_mesh`` about their meshes, if given.
+
+    If ``pictured``, a picture of the deflection is included.
+    """
     title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
     if result.status != "solved":
         return f"{title}<p>{html.escape(result.message)}</p>"

@@ -1,4 +1,4 @@
-"""Numbers of several plates: the plate of each number, and the number's index in that plate's catalogue."""
+"""Models with several plates: the plate of each number, and the number's index in this plate's catalogue."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Place = tuple[int, int]
 
 
 def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalogue]) -> tuple[tuple[Place, ...], ...]:
-    """For each number of several plates, the pairs (plate, index in that plate's catalogue).
+    """For each number of a model with several plates, pairs of a plate and the index in this plate's catalogue.
 
     An extreme over all plates has one pair for each plate. Numbers of a support between two plates belong to the upper
     plate.
@@ -37,7 +37,7 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
 
 
 def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Prefix sentences of each plate with the plate's name; a sentence common to all plates has no prefix."""
+    """Prefix the sentences of each plate with its name; a sentence that all plates have gets no prefix."""
     plates: dict[str, list[str]] = {}
     for name, sentences in each.items():
         for sentence in dict.fromkeys(sentences):
@@ -47,7 +47,7 @@ def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
-    """Plate and index there of each support, probe, section and strip of the model; a probe is one point."""
+    """Plate and index in it of each support, probe, section, strip and column; each point of a [[probe]] is a probe."""
     result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}, "punching": {}}
     first = [0]
     for probe in model.probe:

@@ -1,4 +1,4 @@
-"""Events of a load path: margins of supports, named events of points, lines and areas, and thresholds."""
+"""Events of a load path: margins of supports to their events, named events of supports, and thresholds."""
 
 from __future__ import annotations
 
@@ -23,23 +23,22 @@ from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where all of it is
-open.
+"""Closed parts at which a line or area has an event: 1 (it begins to open), 0.75, 0.5, 0.25, and 0 (all of it is open).
 """
 WHOLE = 1e-12
-"""Largest part of a support that counts as zero, relative to the whole support."""
+"""Largest closed part of a support that counts as zero."""
 _EQUAL = 1e-10
-"""Rounding error of a quantity, relative to the value of its threshold."""
+"""Rounding error of a quantity that has a threshold, relative to the threshold's value."""
 _TOUCHING = 1e-9
-"""Largest overlap that counts as contact without overlap, relative to the largest overlap; as for contact areas."""
+"""Largest overlap that counts as contact without pressure, relative to the largest overlap; as for contact areas."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """Margins of a support to its events; each margin is ≥ 0 while a point, or a part of the support, is closed.
+    """Margins of a support to its events: continuous functions of t that change their sign at an event.
 
-    A support at points has p margins, one for each point. A line or area has five, one for each value in `LEVELS`. A
-    support with a limit has further margins to the limit: of every point, or one of the whole line or area. Margins are
-    continuous in t.
+    A support at points has p margins, ≥ 0 while the point is closed. A line or area has five, ≥ 0 while its closed part
+    exceeds the values in `LEVELS`. A support with a limit has further margins, ≥ 0 below the limit: one for each of the
+    points, or one for the whole line or area.
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]
@@ -50,7 +49,7 @@ def margins(discretisation: Discretisation, index: int, answer: Answer, scales: 
 
 
 def _to_limit(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """Scaled margins (p,) of a support's points to their limits; negative where a point yields."""
+    """Scaled distances (p,) of the forces of a support's points from their limits; negative where a point yields."""
     contacts, (least, most) = discretisation.contacts, discretisation.contacts.limits
     force = np.minimum(most - answer.reaction, np.where(least < 0.0, answer.reaction - least, np.inf))
     soft = contacts.compliance > 0
@@ -80,7 +79,7 @@ def _closing(discretisation: Discretisation, index: int, answer: Answer, scales:
 
 
 def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
-    """Margins (5,) of a line or area to `LEVELS`, from ``own`` margins and ``weights`` (p,) of its points.
+    """Margins (5,) of a line or area to `LEVELS`, from margins ``own`` (p,) of its points and their weights (p,).
 
     If ``between``, the margin is linear between points, as on a line.
     """
@@ -113,25 +112,25 @@ class PathEvent:
     row: int  # number of the stop, from 0
     t: float
     support: str
-    # position of the point; for a line or area that begins to open, to close or to yield, of the first such point
+    # position of the point; for a line or area that of the first point that opens, closes or yields
     at: tuple[float, float] | None
     change: Change
-    # closed part of the support, by points, length or contact area; for "part closed" the quarter
+    # closed part of the support at the event; for "part closed" 0.75, 0.5 or 0.25
     closed: float
     opening: bool  # whether the closed part of the support decreases at the event
-    # index of the margin: the point of the support, or the level in `LEVELS` of a line or area
+    # index of the margin among `margins`: of the point of a support, or of the level in `LEVELS`
     number: int = 0
 
 
 def closing_margins(support: Support, margins: int) -> int:
-    """Number of a support's margins to opening and closing, which are the first of all ``margins`` margins."""
+    """Number of margins to opening and closing, which come first among the ``margins`` margins of a support."""
     if support.place != "at":
         return len(LEVELS)
     return margins if not support.can_yield else margins // 2
 
 
 def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:
-    """Name of the event at which margin ``number`` changes its sign, and the closed part after the event, if known."""
+    """Name of the event at which margin ``number`` changes its sign, and the closed part at the event, if known."""
     if number >= closing_margins(support, margins):
         return "yields" if opening else "stops yielding", None
     if support.place == "at":
@@ -147,7 +146,7 @@ def event_of(support: Support, number: int, opening: bool, margins: int) -> tupl
 def first_place(
     discretisation: Discretisation, index: int, answer: Answer, change: Change
 ) -> tuple[float, float] | None:
-    """Position of the first point that opens (the least closed one), closes or yields on a line or area."""
+    """Position of the first point of a line or area that opens, closes or yields: the point with the extreme margin."""
     points, scales = SupportPoints.of(discretisation, index), Scales.of(answer)
     if "yield" in change:
         own = _to_limit(discretisation, points, answer, scales)
@@ -213,7 +212,7 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
 def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
     """Describe the events of one stop.
 
-    Points of supports in ``pulling``, which only hold the plate down, "begin to pull" when they close.
+    Supports named in ``pulling`` only hold the plate down: their points "begin to pull" when they close.
     """
     alike, said = dict[tuple[str, Change, float], list[PathEvent]](), []
     for event in events:
@@ -233,7 +232,7 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
 
 @dataclass(frozen=True)
 class Threshold:
-    """A value of a quantity; the first t on the path at which the quantity has this value is wanted."""
+    """A request for the first t on the path at which a quantity has a given value."""
 
     when: str  # text of the request, such as ``"bolts[1].reaction = -203e3"``
     quantity: str  # name of the quantity, such as "bolts[1].reaction"
@@ -243,19 +242,19 @@ class Threshold:
     def margin(self, number: float, above: bool) -> float:
         """The quantity minus the value; its sign changes where the quantity reaches the value from above or from below.
 
-        The value is moved by its rounding error toward the quantity at the start: a yielding reaction only equals its
-        limit.
+        The value is moved by its rounding error toward the quantity at the start: if the value is a support's limit, a
+        yielding reaction equals the value but never exceeds it.
         """
         return number - self.value - math.copysign(_EQUAL * abs(self.value), 1.0 if above else -1.0)
 
     @property
     def linear(self) -> bool:
-        """Whether the quantity is linear in t while the contact state does not change."""
+        """Whether the quantity is linear in t between changes of the contact state."""
         return self.quantity.rpartition(".")[-1] not in SMOOTH
 
 
 def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
-    """Read thresholds from texts: equations of the name of a number and a value."""
+    """Read thresholds from texts "name = value", each with the name of a number."""
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = -203e3"].', place="when")
     catalogue, asked = numbers_at_stops(discretisation), list[Threshold]()
@@ -271,7 +270,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
                 f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = -203e3".', place="when"
             )
         quantity = re.sub(r"\s*([\[\].])\s*", r"\1", name.strip())
-        # A column or a check by itself stands for its utilisation.
+        # The name of a punched column or a check alone stands for its utilisation.
         quantity = whole if (whole := f"{quantity}.utilisation") in known else quantity
         if quantity not in known:
             raise InputError(unknown("quantity", quantity, known), place="when")
@@ -282,7 +281,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
 
 
 def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
-    """Return the threshold with the t of the first stop at which the quantity reaches or passes the value."""
+    """Return a copy of the threshold with the t of the first stop at which the quantity reaches or passes the value."""
     numbers = [stop.number(threshold.quantity) for stop in stops]
     beyond = [threshold.margin(number, numbers[0] > threshold.value) >= 0.0 for number in numbers]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)

@@ -35,31 +35,31 @@ class Switch:
 
     @property
     def closes(self) -> bool:
-        """Whether the point closes: it begins to push or pull."""
+        """Whether the point closes, that is begins to push or pull."""
         return self.change == "closes"
 
     @property
     def opens(self) -> bool:
-        """Whether the point no longer adds stiffness: it opens or yields."""
+        """Whether the point opens or yields, so that it no longer adds stiffness."""
         return self.change in ("opens", "yields")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
-    """State of a path at one t. Between two stops all numbers are linear in t, except extremes and work."""
+    """State of a load path at one t: the contact points that change, and the numbers that the path stores."""
 
     t: float
     switched: tuple[Switch, ...]  # contact points that open, close, yield or stop yielding
-    points: Ints  # (k,): numbers of the contact points that change the piece of their law here
+    points: Ints  # (k,): numbers of the contact points that change the piece of their law at the stop
     pieces: Pieces  # (k,): pieces of the laws that these points are on after the stop
     catalogue: Catalogue  # names of the numbers in ``values``
     values: Floats  # (n,): numbers of the stop, in the order of the catalogue
-    largest_at: tuple[float, float]  # position of the largest deflection; next, of the smallest deflection
+    largest_at: tuple[float, float]  # positions of the largest and the smallest deflection
     smallest_at: tuple[float, float]
     # Σ nodal load × displacement; the same for all solutions under one load
     work: float
     work_size: float  # Σ |nodal load × displacement|
-    not_unique: tuple[NotUnique, ...] = ()  # how the answer may differ, if several answers are right
+    not_unique: tuple[NotUnique, ...] = ()  # if several answers are right, how they differ
 
     @property
     def reactions(self) -> Floats:
@@ -78,7 +78,7 @@ class PathStop(Brief):
 
     @property
     def through(self) -> Floats:
-        """Moment, twist and shear of the model's sections, and their means at the stations of its strips (3s,)."""
+        """Moment, twist and shear of each section, then their means at each station of the strips: (3s,)."""
         at = self.catalogue.at
         homes: tuple[Home, ...] = ("section", "station")
         places = [at(home, "moment", "twist", "shear") for home in homes]
@@ -104,9 +104,9 @@ class PathStop(Brief):
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """Copy of the stop with the closed part ``part`` (0 to 1) of support number ``index`` of ``count`` points.
+        """Copy of the stop in which support number ``index`` has the closed part ``part``, 0 to 1.
 
-        The lifted part and the numbers of closed and open points follow from it.
+        The support's lifted part, and how many of its ``count`` points are closed or open, are changed with it.
         """
         values, closed = self.values.copy(), round(part * count)
         places = self.catalogue.at("support", "closed_part", "lifted_part", "closed", "open")[index]
@@ -159,7 +159,7 @@ def path_stops(
     answers: Sequence[Answer],
     imbalance: Floats | None = None,
 ) -> list[PathStop]:
-    """Compute the stops of k answers: the numbers that a path stores.
+    """Compute a stop for each of k answers at the values ``at`` of t.
 
     ``points`` and ``switched`` are the contact points that change the piece of their law. ``imbalance`` (k, 3n) are the
     residuals F − Ku of plate and springs, without reactions, if known.
@@ -197,7 +197,7 @@ def _numbers(
     answers: Sequence[Answer],
     imbalance: Floats | None,
 ) -> Floats:
-    """Numbers (k, n) of the catalogue in k answers to k loads."""
+    """Values (k, n) of the n numbers of a catalogue in k answers to k loads."""
     each, fields = [], path_fields(discretisation.model)
     stressed = any(one.home in ("probe", *EXTREMES) and one.quantity.singular in PEAKS for one in catalogue)
     for at, plate in enumerate(discretisation.members):

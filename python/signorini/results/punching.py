@@ -1,4 +1,4 @@
-"""Punching of columns: quadrature of contact pressures inside control perimeters, and the results of each column."""
+"""Punching shear of columns: quadrature of contact pressures inside control perimeters; results of each column."""
 
 from __future__ import annotations
 
@@ -27,8 +27,9 @@ def points_inside(
 ) -> tuple[Quadrature, csr_array, csr_array, csr_array, Bools]:
     """Quadrature (q,) over the part of area support number ``support`` inside the r perimeters of a column.
 
-    Also returned are rows (q, n) that interpolate deflections; weights (r, q); rows (q, p) that give the mean pressure
-    over an element from the forces of the area's points; and a mask (q,) of points at which that mean is taken.
+    Also returned are rows (q, n) that interpolate deflections; weights (r, q) that integrate inside each perimeter;
+    rows (q, p) that map the forces of the area's points to the mean pressure over an element; and the mask (q,) of
+    points that take this mean instead of the pressure of the deflection.
     """
     mesh, area = discretisation.mesh, area_at_rest(discretisation, support)
     where, levels = area.support.where.region, steps_of(area.support)
@@ -46,7 +47,7 @@ def points_inside(
 
 @dataclass(frozen=True, eq=False)
 class ColumnResult:
-    """Punching of one column in one combination; ``numbers`` are named as in `OF_COLUMNS`."""
+    """Punching shear of one column in one combination; ``numbers`` have the names of `OF_COLUMNS`."""
 
     name: str
     at: tuple[float, float]
@@ -62,7 +63,7 @@ class ColumnResult:
         )
 
     def figures(self) -> dict[str, Any]:
-        """Name, place, code, depths, ratios, strengths, middles of openings, and clause of each number."""
+        """JSON of the column's input: position, code, effective depths, ratios, strengths, openings, clauses."""
         check, length = self.column.check, self.column.length
         given: dict[str, Any] = {"d": [d / length for d in check.d]}
         given |= {"rho": list(check.rho)} if isinstance(check, en1992_punching.Punching) else {}
@@ -74,9 +75,10 @@ class ColumnResult:
 
 
 def in_units(column: PunchedColumn, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-    """Numbers (k,) of a column by name for forces (k,), moments (k,) and forces inside its regions (k, p).
+    """Numbers (k,) of a column by name, from its forces (k,), moments (k,) and the forces (k, p) inside its regions.
 
-    Arguments and results are in units of the model. A moment x + iy is the force times its distances along x and y.
+    Arguments and results are in units of the model. A moment is complex, x + iy: the force times its distance along x,
+    and the force times its distance along y.
     """
     couple = column.force * column.length * moment
     found = {**column.check.numbers(column.force * force, couple, column.force * inside)}

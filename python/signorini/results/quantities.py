@@ -1,7 +1,7 @@
-"""Registry of quantities: name, symbol, unit, key, kind, and the files in which each quantity appears.
+"""Registry of quantities: name, symbol, unit, JSON key, kind, and the files in which each quantity appears.
 
-JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take names and paths from here. The "home"
-of a number is the kind of its owner: a field, a support, a probe and so on.
+JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take names and paths from this registry. The
+"home" of a number is the kind of its owner: a field, a support, a probe and so on.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from signorini.model.check import OVERTURNING
 from signorini.model.whole import Units
 
 Path = tuple[str | int, ...]
-"""Keys and indices that lead to a number in results.json."""
+"""Path of a number in results.json: keys and indices from the root of a combination."""
 Home = Literal[
     "field", "mean", "support", "point", "corner", "probe", "section", "strip", "station", "punching", "check"
 ]
@@ -36,13 +36,13 @@ Key = tuple[Home, int | str, str]
 class Kind:
     """A kind of numbers that are compared with each other: they have the same unit and similar magnitude."""
 
-    force: int = 0  # exponents of force and length in the unit
+    force: int = 0  # exponents of force and of length in the unit
     length: int = 0
-    singular: str = ""  # name of the result in singularities; empty for kinds that always have a limit
+    singular: str = ""  # name in `Singularity.numbers`; empty for kinds that are never singular
     colours: str = "RdBu"  # name of a colour map whose middle is zero
 
     def unit(self, units: Units) -> str:
-        """Unit of the kind in a model's units; empty if the model does not name units."""
+        """Unit of numbers of this kind in a model's units; empty if the model does not name its units."""
         if self.force:
             return units.force_by_length(self.length)
         return f"{units.length}{'²' if self.length == 2 else ''}" if units.length and self.length else ""
@@ -78,8 +78,8 @@ class Quantity:
 
     name: str  # name in tables and thresholds, such as "mx"
     kind: str  # name of the kind in `KINDS`
-    words: str = ""  # description, with the symbol
-    key: Path = ()  # keys and indices below the owner in results.json; if empty, the name
+    words: str = ""  # name in words with the symbol; a description may follow after a comma
+    key: Path = ()  # keys and indices in results.json below the owner; if empty, ``name`` is the key
     # name of the vector of which the quantity is a component; components of one vector at one probe change together
     vector: str = ""
     tabled: bool = True  # whether tables have a column for the quantity
@@ -135,15 +135,15 @@ LINEAR = _by_name(
         Quantity("qy", "shear", "shear qy", ("shear", 1), "shear"),
     ]
 )
-"""Fields that are linear in the solution, in the order of the last axis of arrays (..., 8)."""
+"""Fields that are linear in the solution, in the order in which arrays (..., 8) have them along the last axis."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """Fields that a formula computes from moments (..., 3), shears (..., 2) and thickness (...): values (..., c).
+    """The c fields that one formula computes from moments (..., 3), shears (..., 2) and thickness (...).
 
-    ``formula`` is the name of a formula of the core, see `core/src/fields.rs`, or a function; only the core's formulas
-    have envelopes.
+    ``formula`` is the name of a formula of the core, see `core/src/fields.rs`, or a function. Only fields whose formula
+    is in the core have envelopes.
     """
 
     formula: str | Callable[[Floats, Floats, Floats], Floats]
@@ -152,7 +152,7 @@ class Derived:
     of_bars: bool = False  # whether `Reinforcement.face` replaces moments at columns by means
 
     def values(self, moment: Floats, shear: Floats, thickness: Floats, bars: Bars | None) -> Floats:
-        """Values (..., c); ``bars`` are `Model.bars`."""
+        """Values (..., c) of the fields; ``bars`` are `Model.bars`."""
         if not isinstance(self.formula, str):
             return self.formula(moment, shear, thickness)
         inputs = np.ascontiguousarray(shear if self.inputs == ("qx", "qy") else moment, np.float64)
@@ -246,13 +246,13 @@ DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
 )
 """Sign of each design moment: +1 for reinforcement at the bottom, −1 at the top."""
 REINFORCEMENT: Mapping[str, str] = MappingProxyType({f"as_{name[1:]}": name for name in DESIGN_MOMENTS})
-"""Design moment of each field of required reinforcement."""
+"""Name of the design moment that determines each field of required reinforcement."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
 """Every field at the nodes, by name."""
 OF_BARS = frozenset(one.name for of in DERIVED if of.of_bars for one in of.quantities)
-"""Names of the fields that are for the design of bars."""
+"""Names of the fields for the design of bars: design moments and required reinforcement."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
 """Fields whose extremes exclude singular places, by name. Singular deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
@@ -267,19 +267,19 @@ AT_PROBES: tuple[Quantity, ...] = tuple(
 
 
 def in_model(model: Model, quantities: Iterable[Quantity]) -> tuple[Quantity, ...]:
-    """Those of ``quantities`` that a model has; the required reinforcement needs [reinforcement]."""
+    """The ``quantities`` that a model has: all, but required reinforcement only with [reinforcement]."""
     return tuple(one for one in quantities if one.kind != "reinforcement" or model.bars)
 
 
 def with_extremes(model: Model) -> tuple[str, ...]:
-    """Names of the fields whose extremes are in a result: the deflection, and moments, shears and derived fields."""
+    """Names of the fields whose extremes a result has: the deflection, moments, shears and fields derived from them."""
     return ("deflection", *(one.name for one in in_model(model, PEAKING.values())))
 
 
 OF_SUPPORTS = (
     Quantity("reaction", "reaction", "reaction, total, positive up"),
-    Quantity("closed", "count", "closed, number of points", enveloped=False),
-    Quantity("open", "count", "open, number of points", enveloped=False),
+    Quantity("closed", "count", "closed, number of closed points", enveloped=False),
+    Quantity("open", "count", "open, number of open points", enveloped=False),
     Quantity("closed_part", "part", "closed part, 0 to 1", tabled=False),
     Quantity("lifted_part", "part", "lifted part, 1 − closed part", tabled=False),
 )
@@ -291,12 +291,17 @@ OF_AREAS = (
 OF_RESULTANTS = (
     *(
         Quantity(
-            *(f"eccentricity_{axis}", "length", f"eccentricity e{axis} of the reaction", ("eccentricity", at)),
+            *(
+                f"eccentricity_{axis}",
+                "length",
+                f"eccentricity e{axis} of the reaction, from the area's centroid",
+                ("eccentricity", at),
+            ),
             *("eccentricity", True, False, False),
         )
         for at, axis in enumerate("xy")
     ),
-    Quantity("kern", "part", "kern, eccentricity / eccentricity at the edge of the kern in its direction"),
+    Quantity("kern", "part", "kern, eccentricity relative to the edge of the kern in the same direction"),
 )
 """Quantities of the resultants of areas."""
 OF_LINES = tuple(
@@ -314,18 +319,28 @@ OF_POINTS = (
     Quantity("gap", "deflection", "gap, remaining free travel"),
 )
 OF_TURNING_POINTS = tuple(
-    Quantity(f"moment_{axis}", "couple", f"moment {axis}, couple on θ{axis} of the plate", ("moment", at), "moment")
+    Quantity(
+        f"moment_{axis}",
+        "couple",
+        f"moment {axis}, couple on θ{axis} of the plate",
+        ("moment", at),
+        "moment",
+    )
     for at, axis in enumerate("xy")
 )
-OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
+OF_POINTS_WITH_LAWS = (
+    Quantity("piece", "count", "piece of the law, number from 0 at the least travel", (), "", False, False, False),
+)
 OF_BOLTS = (
     Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
-    Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
+    Quantity("prying", "part", "prying, −Σ reaction of the bolts / upward load", tabled=False, along_paths=False),
 )
 """Quantities of supports with bolts."""
 AT_BOLTS = (
     Quantity("tightened_to", "reaction", "tightened to, last tightening force", enveloped=False, along_paths=False),
-    Quantity("preload", "reaction", "preload, force before other loads", enveloped=False, along_paths=False),
+    Quantity(
+        "preload", "reaction", "preload, force of the bolt before other loads", enveloped=False, along_paths=False
+    ),
     Quantity("change", "reaction", "change, reaction − preload", enveloped=False, along_paths=False),
 )
 """Quantities of each bolt."""
@@ -348,32 +363,41 @@ MEANS = (
         for face in ("bottom", "top")
     ),
 )
-"""Means of moment, twist and shear across a strip at its stations, and what bars along the strip need for them."""
+"""Means of moment, twist and shear across a strip at its stations; design moments and areas of bars along it."""
 OF_STRIPS = tuple(
-    Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
+    Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations of the strip", tabled=False)
+    for side in ("max", "min")
 )
 OF_COLUMNS = (
     Quantity("u0", "length", "u0, length of the column's face", tabled=False, along_paths=False),
-    Quantity("u1", "length", "u1, length of the control perimeter; bo", enveloped=False, along_paths=False),
-    Quantity("force", "force", "force of the column, towards the plate", along_paths=False),
-    Quantity("inside", "force", "inside, force inside the perimeter that is taken off", along_paths=False),
+    Quantity("u1", "length", "u1, length of the control perimeter (ACI: bo)", enveloped=False, along_paths=False),
+    Quantity("force", "force", "force of the column, positive towards the plate", along_paths=False),
+    Quantity(
+        "inside", "force", "inside, force inside the perimeter, subtracted from the column's force", along_paths=False
+    ),
     *(
-        Quantity(f"moment_{axis}", "couple", f"moment, force × its distance along {axis}", ("moment", at), "moment")
+        Quantity(
+            f"moment_{axis}",
+            "couple",
+            f"moment, force × its distance from the column's centre along {axis}",
+            ("moment", at),
+            "moment",
+        )
         for at, axis in enumerate("xy")
     ),
-    Quantity("beta", "part", "β, largest shear stress / mean", enveloped=False, along_paths=False),
+    Quantity("beta", "part", "β, largest shear stress / mean shear stress", enveloped=False, along_paths=False),
     Quantity("v_ed", "stress", "vEd, shear stress at u1"),
     Quantity("v_ed_face", "stress", "vEd at u0", along_paths=False),
     Quantity("v_rd_c", "stress", "vRd,c, resistance without shear reinforcement", enveloped=False, along_paths=False),
     Quantity("v_rd_max", "stress", "vRd,max, largest resistance", tabled=False, along_paths=False),
     Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
-    Quantity("with_links", "part", "utilisation, with the most links", along_paths=False),
+    Quantity("with_links", "part", "utilisation, with the largest shear reinforcement", along_paths=False),
     Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
-    Quantity("uout", "length", "uout, length of the outer perimeter", along_paths=False),
+    Quantity("uout", "length", "uout, length of the perimeter outside of which no links are needed", along_paths=False),
 )
 """Quantities of punched columns."""
 OF_SHEAR = tuple(one for one in OF_COLUMNS if one.name in ("force", "inside", "beta", "v_ed", "v_rd_c", "utilisation"))
-"""Quantities of punched columns in the terminal."""
+"""Quantities of punched columns that the terminal prints."""
 _SUPPORTS = (*OF_SUPPORTS, *OF_AREAS, *OF_LINES, *OF_LIMITED_AREAS, *OF_BOLTS)
 _POINTS = (*OF_POINTS, *OF_TURNING_POINTS, *AT_BOLTS)
 BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
@@ -393,21 +417,21 @@ BY_LIST: Mapping[str, tuple[Quantity, ...]] = MappingProxyType(
         "": tuple(PICTURED.values()),
     }
 )
-"""Quantities by the list of results.json that has them; "": those of fields."""
+"""Quantities of the entries of each list in results.json, by the list's key; those of fields have the key ""."""
 OF_CHECKS = (
     Quantity("value", "part", "value that governs a check", enveloped=False, along_paths=False),
     Quantity("utilisation", "part", "utilisation, value / limit", enveloped=False),
 )
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
-"""Names of the largest and the smallest mean of a field over its singular points."""
+"""Names of the largest and the smallest of a field's means, over the points at which the field is singular."""
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
-"""Owners ("homes") of the extremes of fields, and of the extremes of means at singular places."""
+"""Homes (kinds of owner) of two kinds of extremes: of fields, and of their means at singular places."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
-"""Owners ("homes") whose numbers are read one owner at a time."""
+"""Homes (kinds of owner) whose numbers are computed separately for each owner, such as each support."""
 _OF_ANSWERS = ("prying", "piece")
-"""Names of quantities that need the whole answer, not only readings."""
+"""Names of quantities that are computed from a complete answer and do not follow from superposed readings."""
 SMOOTH = frozenset(
     (
         *("contact_area", "max_pressure", "closed_part", "lifted_part", "max_moment", "min_moment"),
@@ -420,9 +444,9 @@ SMOOTH = frozenset(
 def derived(
     quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats, bars: Bars | None = None
 ) -> Floats:
-    """Values (..., f) of derived fields from moments (..., 3), shears (..., 2) and thickness (...).
+    """Values (..., f) of f derived fields, from moments (..., 3), shears (..., 2) and thickness (...).
 
-    ``bars`` are `Model.bars`, which the required reinforcement needs.
+    Required reinforcement also needs ``bars``, `Model.bars`.
 
     Examples
     --------
@@ -439,7 +463,7 @@ def derived(
 
 
 def quantity_at(keys: Sequence[str]) -> Quantity | None:
-    """Quantity of the numbers below some keys of results.json, without indices; None for other numbers."""
+    """Quantity of a number in results.json, given the keys of its path without indices; None if it has no quantity."""
     owner = next((key for key in reversed(keys) if key in BY_LIST), "")
     named = {key: one for one in BY_LIST[owner] for key in (one.path[0], one.name)}
     return next((named[key] for key in reversed(keys) if key in named), None)
@@ -453,7 +477,7 @@ def along_strips(what: str, through: Floats, thickness: Floats, axis: Ints, bars
     """
     moment, twist, shear = through[..., 0], through[..., 1], np.zeros((*through.shape[:-1], 2))
     quantity, face = what.split("_")
-    # With the moment |twist| across the strip, bars across it suffice at neither face.
+    # With the moment |twist| across the strip, the design moments along it are moment ± |twist| at both faces.
     along_x, along_y = (
         np.stack([*pair, twist], axis=-1) for pair in ((moment, np.abs(twist)), (np.abs(twist), moment))
     )
@@ -467,7 +491,7 @@ def along_strips(what: str, through: Floats, thickness: Floats, axis: Ints, bars
 
 
 class FieldGroup(NamedTuple):
-    """Fields whose envelopes are computed together: ``names``, values number ``wanted`` of all ``formulas``."""
+    """Fields ``names`` whose envelopes are computed together; ``wanted`` are their indices in the formulas' values."""
 
     names: tuple[str, ...]
     inputs: tuple[str, ...]
@@ -477,7 +501,7 @@ class FieldGroup(NamedTuple):
 
 
 def field_groups(fields: Iterable[str]) -> Iterator[FieldGroup]:
-    """Group fields by the inputs of their formulas; a field that is linear in the solution is its own input."""
+    """Group fields by the inputs of their formulas; each field that is linear in the solution is a group by itself."""
     names = list(fields)
     own = {one.name for of in DERIVED for one in of.quantities}
     yield from (FieldGroup((name,), (name,), ("sum",), (0,)) for name in names if name not in own)
@@ -493,17 +517,17 @@ def field_groups(fields: Iterable[str]) -> Iterator[FieldGroup]:
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a result: its quantity and owner, which give its path in files."""
+    """A number of a result, without its value: quantity, owner, and its names in files."""
 
     quantity: Quantity
     home: Home  # kind of the owner, such as "support"
-    owner: int  # index of the owner in the model's table; for extremes, of the field
+    owner: int  # index of the owner in the model's table; for extremes, number of the field and plate
     path: Path  # keys and indices that lead to the number in results.json
     subject: str  # name of the owner in columns and thresholds
-    part: int = 0  # index of the point of a support, or of the station of a strip, from 0
+    part: int = 0  # index, from 0, of the support's point or the strip's station that has the number
     tabled: bool = True  # whether tables have a column for the number
-    estimated: bool = True  # whether it is compared with that of other meshes
-    check: Check | None = None  # of a number of a check
+    estimated: bool = True  # whether it has a half-width, from comparison with other meshes
+    check: Check | None = None  # the check, if the owner is a check
 
     @property
     def column(self) -> str:
@@ -525,22 +549,22 @@ class Number:
 
     @property
     def group(self) -> tuple[Home, int, str]:
-        """Key of the numbers that are read together: home, owner, name; for probes and stations the owner is 0."""
+        """Key of the numbers that are computed together: home, owner (0 for all owners of the home), and name."""
         return self.home, self.owner if self.home in _OF_ONE else 0, self.what
 
     @property
     def key(self) -> Key:
-        """Home; owner or name of the extreme; name of the quantity: equal for the components of one quantity."""
+        """Home, owner (for extremes the name of the extreme), and name of the quantity."""
         return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
 
     @property
     def over_plates(self) -> bool:
-        """Whether the number is an extreme over all of several plates."""
+        """Whether the number is an extreme over all plates, not an extreme of one of several plates."""
         return self.home in EXTREMES and self.path[0] != "plates"
 
     @property
     def envelope_path(self) -> Path:
-        """Path of the number's extremes in an envelope; names of quantities of probes and points are keys there."""
+        """Path of the number's extremes in an envelope's JSON; for probes and points the last key is the quantity."""
         if self.home in EXTREMES:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
@@ -549,18 +573,18 @@ class Number:
 
     @property
     def ties(self) -> tuple[str, str, int]:
-        """Group of numbers that are compared with each other: of one kind; pressures and areas of one support only."""
+        """Key of the numbers that are compared with each other: same home and kind; pressures and areas by support."""
         kind = self.quantity.kind
         return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
 
 def on_plate(field: str, plate: str) -> str:
-    """Name of a field in columns: "plate.field" for one of several plates, else the field's name."""
+    """Name of a field in columns of tables: "plate.field" for one of several plates, else the field's name."""
     return f"{plate}.{field}" if plate else field
 
 
 def place_of(model: Model, index: int) -> Path:
-    """Path of a support in results.json; contacts between plates have a separate list, and the last indices."""
+    """Path of support number ``index`` in results.json; contacts, which have the last indices, have their own list."""
     first = len(model.support) - len(model.contact)
     return ("supports", index) if index < first else ("contacts", index - first)
 
@@ -573,7 +597,7 @@ def of_support(support: Support) -> tuple[Quantity, ...]:
 
 
 def measures(check: Check, number: Number) -> bool:
-    """Whether a check is of a number: by its name, ``[*]`` for every index, or as an extreme of the checked field."""
+    """Whether a check measures a number: `Check.of` is its name, with ``[*]`` for any index, or its field."""
     if number.home in EXTREMES and number.subject == check.of:
         return True
     pattern = re.escape(check.of).replace(r"\[\*\]", r"\[[^\]]+\]")
@@ -581,7 +605,7 @@ def measures(check: Check, number: Number) -> bool:
 
 
 def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Number]) -> Number:
-    """A number of a check; raise `InputError` if no number is checked."""
+    """The value or utilisation of a check as a number; raise `InputError` if the check measures no number."""
     kinds = [one.quantity.kind for one in numbers if measures(check, one)]
     if not kinds and check.of != OVERTURNING:
         others = (one for one in numbers if one.home != "check")
@@ -596,7 +620,7 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
 
 
 def _is_tabled(model: Model, number: Number) -> bool:
-    """Whether a check measures a number that only then has a column; sums of load cases do not have every number."""
+    """Whether a number has a column only because a check measures it; numbers that cannot be superposed have none."""
     line = number.what in ("closed_part", "lifted_part") and model.support[number.owner].along_line
     missing = bool(model.plates) or line or number.what in _OF_ANSWERS
     return not (missing or number.tabled) and any(measures(check, number) for check in model.check)
@@ -623,11 +647,11 @@ def of_points(support: Support) -> tuple[Quantity, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Catalogue:
-    """The numbers of a model's results whose count does not depend on the mesh, in their order."""
+    """Ordered list of the numbers of a model's results, without lists whose length depends on the mesh."""
 
     numbers: tuple[Number, ...]
     in_plates: tuple[tuple[tuple[int, int], ...], ...] = ()
-    """For several plates, the pairs (plate, index in that plate's catalogue) of each number."""
+    """With several plates, pairs of a plate and the index in its catalogue, for each number; see `of_plates`."""
 
     @classmethod
     def of(
@@ -640,8 +664,8 @@ class Catalogue:
     ) -> Catalogue:
         """List a model's numbers; ``fields`` are the fields whose extremes are listed.
 
-        ``points`` is the number of points of each support, and ``gaps`` says whether its points can open. ``corners``
-        is the number of corners of a line, by index of the support.
+        For each support, ``points`` is the number of its points, and ``gaps`` whether they can open. ``corners`` is the
+        number of corners of a line, by index of the support.
         """
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
@@ -709,7 +733,7 @@ class Catalogue:
         return iter(self.numbers)
 
     def only(self, wanted: Callable[[Number], bool]) -> Catalogue:
-        """Catalogue of those numbers for which ``wanted`` is true, with the corresponding numbers of the plates."""
+        """Catalogue of only the numbers for which ``wanted`` is true, with their pairs ``in_plates``."""
         kept = [place for place, one in enumerate(self.numbers) if wanted(one)]
         in_plates = tuple(self.in_plates[place] for place in kept) if self.in_plates else ()
         return Catalogue(tuple(self.numbers[place] for place in kept), in_plates)
@@ -720,7 +744,7 @@ class Catalogue:
         return self.only(lambda one: one.tabled)
 
     def at(self, home: Home, *names: str) -> Ints:
-        """Indices of the numbers of a home with the given names: (q,) for one name, (q, k) for k names."""
+        """Indices of the numbers with a home and a name, one for each of q owners: (q,), or (q, k) for k names."""
         result = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
         return result[0] if len(names) == 1 else np.stack(result, axis=-1)
 
@@ -733,29 +757,29 @@ class Catalogue:
 
     @cached_property
     def by_column(self) -> Mapping[str, int]:
-        """Index of every number that tables have, by name of its column."""
+        """Index of each number that has a column in tables, by name of the column."""
         return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
 
     @cached_property
     def by_name(self) -> Mapping[str, int]:
-        """Index of every number, by its name in thresholds."""
+        """Index of each number, by its name in thresholds."""
         return {one.name: place for place, one in enumerate(self.numbers)}
 
     @cached_property
     def by_path(self) -> Mapping[Path, int]:
-        """Index of every number, by its path in results.json."""
+        """Index of each number, by its path in results.json."""
         return {one.path: place for place, one in enumerate(self.numbers)}
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Indices of numbers that are read together, by `Number.group`."""
+        """Indices of the numbers that are computed together, by `Number.group`."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
             groups.setdefault(one.group, []).append(place)
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
     def of_members(self, each: Sequence[Floats]) -> Floats:
-        """Numbers (..., n) of all plates from those of each plate's catalogue; extremes are taken over the plates."""
+        """Values (..., n) of all plates' numbers, from the values of each plate; extremes are taken over the plates."""
         if not self.in_plates:
             return each[0]
         result = np.empty((*each[0].shape[:-1], len(self)))

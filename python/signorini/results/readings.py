@@ -1,7 +1,8 @@
-"""Readings of solutions, and the numbers computed from readings.
+"""Readings of solutions, and the numbers of results that are computed from readings.
 
-A reading is a quantity that is linear in the solution in one contact state. A result has the readings of one answer, a
-load path those of several answers. A row of a table has a sum of the readings of load cases and contact points.
+A reading is a quantity that is linear in the solution in one contact state. A result is computed from the readings of
+its answer, a load path from the readings of several answers. The readings of a row of a table are superposed from those
+of load cases and contact points.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ _TOGETHER = 500_000
 
 
 class SupportForces(NamedTuple):
-    """Nodal forces of one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,).
+    """Forces in one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,).
 
     F are the loads and the reactions of contact points.
     """
@@ -61,8 +62,8 @@ class SupportForces(NamedTuple):
     ) -> Self:
         """Compute the forces at u = hi + lo (3n,) under nodal loads (3n,) and reactions on nodes ``spread`` (3n,).
 
-        ``springs`` are used in place of the model's springs, unless None. ``imbalance`` is the residual without
-        reactions, if known.
+        ``springs``, unless None, replace the model's springs. ``imbalance`` is the residual without ``spread``, if
+        known.
         """
         arrays = discretisation.springs.arrays if springs is None else springs
         residual = discretisation.plate.residual(arrays, nodal, hi, lo) if imbalance is None else imbalance
@@ -71,7 +72,7 @@ class SupportForces(NamedTuple):
         return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
 
     def on(self, plate: OfWhole) -> SupportForces:
-        """Forces on one of several plates, given by ``plate``."""
+        """The part of the forces that acts on ``plate``, one of several plates."""
         return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
 
 
@@ -81,7 +82,7 @@ class Linear(NamedTuple):
     probes: Floats
     """(k, q', 8): fields at every probe, on each side of a jump; the last axis is in the order of `LINEAR`."""
     of_bars: Floats
-    """(k, q', 3): moments for the design of bars there, see `Reinforcement.face`; q' = 0 if they are those fields."""
+    """(k, q', 3): moments for the design of bars at probes; q' = 0 if no `Reinforcement.face` changes them."""
     through: Floats
     """(k, 3c): moment, twist and shear of every section, then their means at every station of the strips."""
     forces: Floats
@@ -93,9 +94,9 @@ class Linear(NamedTuple):
     on_areas: Floats
     """(k, a): deflections of the nodes that belong to elements on elastic areas."""
     beneath: Floats
-    """(k, b, a): deflections of other plates at the same nodes, for each of b supports between plates."""
+    """(k, b, a): deflection of the other plate at the same nodes, for each of b supports between two plates."""
     on_columns: Floats
-    """(k, r + 3c): numbers of loads on `Columns`; on columns under the plate, couples of held slopes."""
+    """(k, r + 3c): load in each of r regions of columns; force and two couples of each of c columns."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
@@ -156,7 +157,7 @@ class Reader:
         fields: Floats | None,
         beneath: Mapping[int, Floats],
     ) -> Linear:
-        """Take readings of u = hi + lo (3n,), reactions of contact points, forces of supports, and fields (s, 8).
+        """Take readings of a solution: u = hi + lo (3n,), reactions of contact points, support forces, fields (s, 8).
 
         ``beneath`` are deflections (n,) of other plates at this plate's nodes, by index of the support between the
         plates.
@@ -193,7 +194,7 @@ class Reader:
         )
 
     def _on_columns(self, load: CaseLoad, reaction: Floats, turned: Floats) -> Floats:
-        """Numbers (r + 3c,) of `Linear.on_columns` from a load, reactions, and couples (n, 2) of held nodes."""
+        """Readings (r + 3c,) of `Linear.on_columns`, from a load, reactions, and couples (n, 2) of held nodes."""
         found = self.discretisation
         result, first, points = (
             load.on_columns + np.zeros(found.columns.count),
@@ -226,7 +227,8 @@ class Readings:
     """Readings of k solutions of one plate, and the numbers computed from them.
 
     ``shared`` (k, m + r) are reactions of all contact and repeated points. ``gap`` (k, m) and ``closed`` (k, m) are the
-    states of contact points. Sums of readings have no ``answers``, ``loads`` and deflections.
+    states of contact points. Readings that are superposed have no ``answers`` and ``loads``, and only the deflections
+    around areas.
     """
 
     reader: Reader
@@ -252,7 +254,7 @@ class Readings:
         beneath: Sequence[Mapping[int, Floats]],
         upon: Collection[int] = (),
     ) -> Self:
-        """Take readings of k answers to k loads; `Reader.read` describes the arguments."""
+        """Take the readings of k answers to k loads; `Reader.read` describes the arguments for each answer."""
         reader = Reader.of(discretisation)
         linear = Linear.stacked(
             reader.read(load, answer.hi, answer.lo, answer.shared, of, own, below)
@@ -262,7 +264,7 @@ class Readings:
         return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
 
     def numbers(self, catalogue: Catalogue) -> Floats:
-        """Numbers (k, n) of a catalogue; NaN for extremes of fields and for checks, which are computed later."""
+        """Values (k, n) of the numbers of a catalogue; extremes of fields and checks are NaN, and computed later."""
         result = np.full((len(self.shared), len(catalogue)), np.nan)
         for (home, owner, what), places in catalogue.groups.items():
             if home not in EXTREMES and home != "check":
@@ -270,7 +272,7 @@ class Readings:
         return result
 
     def read(self, home: Home, owner: int, what: str) -> Floats:
-        """Values of a quantity: (k, 1) of a support or strip, (k, ...) at points of a support, probes or stations."""
+        """Values (k, q) of the quantity ``what`` for q points, probes or stations; q is 1 for a support or strip."""
         match home:
             case "probe":
                 return self._at_probes(what)
@@ -289,7 +291,7 @@ class Readings:
 
     @cached_property
     def supports(self) -> tuple[SupportReading, ...]:
-        """The readings of every support."""
+        """One `SupportReading` for each support."""
         return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
 
     @property
@@ -299,7 +301,7 @@ class Readings:
 
     @cached_property
     def punching(self) -> Mapping[str, Floats]:
-        """Numbers (k, c) of the checks of c columns, by name."""
+        """Numbers (k, c) of the punching checks of c columns, by name of the quantity."""
         columns = self.discretisation.columns
         pairs = zip(columns.columns, columns.slices, strict=True)
         each = [self._punching(index, *pair) for index, pair in enumerate(pairs)]
@@ -307,7 +309,7 @@ class Readings:
         return {one.name: np.array([values[one.name] for values in each]).reshape(shape).T for one in OF_COLUMNS}
 
     def _punching(self, index: int, column: PunchedColumn, regions: slice) -> Mapping[str, Floats]:
-        """Numbers (k,) of one column: its force and moment, less all that acts inside its perimeters."""
+        """Punching numbers (k,) of a column, from its force and moment and the forces inside its control perimeters."""
         first, own = len(self.discretisation.columns.regions), column.column
         load = self.linear.on_columns[:, regions]
         force, x, y = self.linear.on_columns[:, first + 3 * index :][:, :3].T
@@ -333,7 +335,7 @@ class Readings:
 
     @cached_property
     def probes(self) -> Floats:
-        """Fields (k, q, 8) at probes; where a field jumps, the value larger in magnitude."""
+        """Fields (k, q, 8) at probes; where a field jumps, the value of larger magnitude."""
         return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
@@ -354,7 +356,7 @@ class Readings:
         return np.array(result).reshape(len(self.shared), len(found.probe_positions))
 
     def deflections(self, some: slice) -> Floats:
-        """Deflections (k', n) of the solutions in a slice; of sums only those around areas are known, others are 0."""
+        """Deflections (k', n) of the solutions in a slice; superposed ones are 0 except around elastic areas."""
         if self.answers:
             return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
         around = self.linear.on_areas[some]
@@ -391,7 +393,7 @@ class Readings:
 
 @dataclass(frozen=True, eq=False)
 class SupportReading:
-    """One support with p points in k solutions; the registry's quantities are computed from it."""
+    """Readings of one support with p points in k solutions, and formulas for the quantities of the registry."""
 
     of: Readings
     index: int
@@ -458,7 +460,7 @@ class SupportReading:
     def closed_part(self) -> Floats:
         """Closed part (k,) of the support, 0 to 1: of points by number, of lines by length, of areas by area.
 
-        That of a line needs ``answers``.
+        The closed part of a line can only be computed from complete answers.
         """
         weights = self.points.weights
         if not weights.sum() > 0.0:
@@ -474,7 +476,7 @@ class SupportReading:
         return area_at_rest(self.of.discretisation, self.index)
 
     def above(self, some: slice) -> Floats:
-        """Deflections (k', n) of this plate; around areas relative to the plate on which this plate rests, if any."""
+        """Deflections (k', n) of the plate; around areas they are relative to the plate on which it rests, if any."""
         deflection = self.of.deflections(some)
         if (beneath := self.beneath) is not None:
             deflection[:, self.of.reader.around_areas] -= beneath[some]
@@ -482,11 +484,11 @@ class SupportReading:
 
     @property
     def beneath(self) -> Floats | None:
-        """Deflections (k, a), around areas, of the other plate on which this plate rests; None without such a plate."""
+        """Deflections (k, a), at `Reader.around_areas`, of the plate on which this plate rests; None without one."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
     def areas(self, some: slice = slice(None)) -> tuple[AreaContact, ...]:
-        """Contact of the area support in the solutions of a slice."""
+        """Contact of the area support in each solution of a slice."""
         columns = zip(self.above(some), self.of.shared[some], self.closed[some], self.reactions[some], strict=True)
         return tuple(
             area_contact(
@@ -528,7 +530,7 @@ class SupportReading:
 
     @property
     def kern(self) -> Floats:
-        """Eccentricity (k,) relative to the edge of the kern; above 1 a plane distribution has tension."""
+        """Eccentricity (k,) relative to the edge of the kern; above 1 a linear pressure would have tension."""
         return np.asarray((self.eccentricity @ kern_of(self.of.discretisation, self.index).corners.T).max(axis=1))
 
     @cached_property
@@ -552,7 +554,7 @@ class SupportReading:
 
     @property
     def yielded_area(self) -> Floats:
-        """Areas (k,) of the support in which the limit is reached."""
+        """Area (k,) of the support in which the limit of the pressure is reached."""
         return np.array([area.yielding(own) for area, own in zip(self.areas(), self.yielded, strict=True)], np.float64)
 
     @cached_property
@@ -580,7 +582,7 @@ _OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
     "preload": lambda of: np.full(len(of.reactions), of.preloads.sum()),
     "prying": lambda of: -of.reactions.sum(axis=1) / of.lift,
 }
-"""Formulas for the values (k,) of each quantity of supports, by name in the registry."""
+"""Formula for the values (k,) of each quantity of supports, by name of the quantity."""
 _OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
     ("point", "reaction"): lambda of: of.reactions,
     ("point", "gap"): lambda of: of.gaps,
@@ -592,15 +594,15 @@ _OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
     ("point", "change"): lambda of: of.reactions - of.preloads,
     ("corner", "reaction"): lambda of: of.per_length[1],
 }
-"""Formulas for the values (k, p) or (p,) of each quantity of supports' points and corners, by home and name."""
+"""Formula for the values (k, p) or (p,) of each quantity of supports' points and corners, by home and name."""
 _THROUGH: Mapping[str, Callable[[Floats], Floats]] = {
     "moment": lambda through: through[..., 0],
     "twist": lambda through: through[..., 1],
     "shear": lambda through: through[..., 2],
 }
-"""Formulas for the values (k, c) of sections and stations, from readings (k, c, 3), by name of the quantity."""
+"""Formula for the values (k, c) of each quantity of sections and stations, from readings (k, c, 3)."""
 _OF_STRIPS: Mapping[str, Callable[[Floats], Floats]] = {
     "max_moment": lambda through: through[..., 0].max(axis=1),
     "min_moment": lambda through: through[..., 0].min(axis=1),
 }
-"""Formulas for the values (k,) of a strip from readings (k, c, 3) at its stations, by name of the quantity."""
+"""Formula for the values (k,) of each quantity of a strip, from readings (k, c, 3) at its stations."""

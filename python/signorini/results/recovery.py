@@ -1,4 +1,4 @@
-"""Recovery of results from contact solutions: fields, reactions of supports, and numbers."""
+"""Compute results from contact solutions: fields, reactions of supports, and numbers."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ def recovered(
     beneath: Mapping[int, Floats] | None = None,
     upon: Collection[int] = (),
 ) -> Result:
-    """Recover every field of a result from a contact solution, which the last of ``methods`` found.
+    """Compute a result from the contact solution ``answer``, which the last of ``methods`` found.
 
-    ``load_of`` is the combination, or the name of another load. ``stress`` (s, 5) are the moments and shears at stress
-    nodes, if known. ``beneath`` are the deflections (n,) of other plates, by index of the support between the plates.
-    ``upon`` are the indices of supports through which another plate rests on this one.
+    ``load_of`` is the combination, or a name if the load is no combination. ``stress`` (s, 5) are the moments and
+    shears at stress nodes, if known. ``beneath`` are the deflections (n,) of plates below, by index of the support
+    between. ``upon`` are the indices of supports through which another plate rests on this one.
     """
     if discretisation.plates:
         return _of_plates(discretisation, load_of, methods, load, answer, certificate)
@@ -112,7 +112,7 @@ def _of_plates(
     answer: Answer,
     certificate: Certificate,
 ) -> Result:
-    """Recover the result of each of several plates, and combine the results."""
+    """Compute the result of each of several plates, and combine these results."""
     begun, each = time.perf_counter(), discretisation.plates
     deflections = [(answer.hi + answer.lo)[one.dofs][::3] for one in each]
     plates: dict[str, Result] = {}
@@ -122,7 +122,7 @@ def _of_plates(
         plates[one.name] = recovered(one.own, load_of, methods, own, *part, beneath, one.upon)
 
     def in_order(key: str, of: Callable[[Result], Sequence[Any]]) -> Listed[Any]:
-        """Objects of all plates in the order of the model's table ``key``; between plates those of the upper plate."""
+        """Results of all plates in the order of the model's table ``key``; between plates, those of the upper plate."""
         result: dict[int, Any] = {}
         for one in each:
             for which, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
@@ -167,13 +167,13 @@ def _of_plates(
 
 
 def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
-    """Divide the probe results of a plate into one tuple for each table [[probe]] of the model."""
+    """Group the probe results of a plate by the tables [[probe]] of its model."""
     ends = np.cumsum([0, *(len(probe.at) for probe in result.model.probe)]).tolist()
     return [result.probes[a:b] for a, b in pairwise(ends)]
 
 
 def _columns_by_table(result: Result) -> list[tuple[ColumnResult, ...]]:
-    """Divide the columns of a plate by the tables [[punching]] of the model."""
+    """Group the column results of a plate by the tables [[punching]] of its model."""
     tables = [column.column.column.table for column in result.punching]
     every = list(zip(tables, result.punching, strict=True))
     return [tuple(one for at, one in every if at == table) for table in range(len(result.model.punching))]

@@ -1,4 +1,4 @@
-"""Results of one combination, with methods for pictures, files and tables."""
+"""The class `Result`: results of one combination, with methods for pictures, files and tables."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Result(ResultState):
         limits: tuple[float, float] | None = None,
         plus_minus: Mapping[str, Any] | None = None,
     ) -> Axes:
-        """Draw a field as contours, with the supports as open or closed, as in the pictures of the command.
+        """Draw a field as contours, with open and closed supports, as in the pictures that the command writes.
 
         Parameters
         ----------
@@ -121,8 +121,9 @@ class Result(ResultState):
     def sensitivity(self, name: str) -> Sensitivity:
         """Derivatives of a number with respect to gaps, stiffnesses, limits, preloads, thickness, moduli and loads.
 
-        The contact state is fixed: each contact point stays on its piece of its law (direct differentiation: Haftka and
-        Gürdal 1992, section 7.2). Each parameter takes one solve with a factor that is computed once for the result.
+        Derivatives hold for a fixed contact state: each contact point stays on its piece of its law (direct
+        differentiation: Haftka and Gürdal 1992, section 7.2). Each parameter takes one solve with a factor that all
+        parameters share.
 
         Parameters
         ----------
@@ -156,7 +157,7 @@ class Result(ResultState):
         >>> round(found["load[1].force"], 6), [round(end) for end in found.valid["load[1].force"][:1]]
         (1.0, [0])
         """
-        # Sensitivities solve variants of the model; a plain solve does not import them.
+        # The module of sensitivities is imported only when it is needed.
         found: Sensitivity = import_module("signorini.sensitivities.direct").of_result(self, name)
         return found
 
@@ -193,7 +194,7 @@ class Result(ResultState):
         return package("pyvista").from_meshio(mesh)
 
     def to_dataframe(self) -> Any:
-        """Convert the ``numbers`` to a `pandas.DataFrame` with a row for each: value, unit, position.
+        """Convert the ``numbers`` to a `pandas.DataFrame` with a row for each number: value, unit, x, y.
 
         pandas must be installed. Rows have the names of thresholds, such as "bolts[1].reaction". x and y are the
         position of a point, a probe, a station or an extreme; NaN for other numbers.

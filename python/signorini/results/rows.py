@@ -1,4 +1,4 @@
-"""Results of many combinations as rows of a table, in blocks of consecutive rows."""
+"""Results of many combinations as rows of a table, computed in blocks of consecutive rows."""
 
 from __future__ import annotations
 
@@ -40,11 +40,9 @@ from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOVED = 1.0 + 1e-9
-"""Smallest ratio of a lifted point's travel to its travel at rest: the difference is more than rounding."""
+"""Smallest ratio of a lifted point's travel to its travel at w = 0; a smaller difference is rounding."""
 _MOST_BEARINGS = 100
-"""Largest number of points of a support each of which is a bearing; if there are more points, the support is one
-bearing.
-"""
+"""Largest number of points of a support that are bearings of their own; a support with more points is one bearing."""
 
 Column = Sequence[str] | Floats | Ints
 NamedColumns = Iterable[tuple[str, Column]]
@@ -52,7 +50,7 @@ NamedColumns = Iterable[tuple[str, Column]]
 
 @dataclass(frozen=True)
 class Bearing:
-    """Owner of a reaction: point number ``point``, from 1, of a support at points; or, if None, a whole support."""
+    """A point of a support, by its number ``point`` from 1, or a whole support (None), whose reaction is listed."""
 
     support: int
     point: int | None
@@ -66,7 +64,7 @@ class Bearing:
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """Nodes (n,) that are excluded from the extremes of a field.
+    """Which of n nodes are excluded from the extremes of a field, depending on the acting load cases.
 
     A node is excluded if the field is singular there under an acting load case, or if the node never counts
     (`StressNodes.counting`). Nodes that the same load cases exclude form a class.
@@ -85,7 +83,7 @@ class Hidden:
 
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """Find the nodes at which a result is singular; ``number`` is its name in `Singularity.numbers`.
+        """Find the nodes at which "moment" or another ``number`` of `Singularity.numbers` is singular.
 
         If ``number`` is empty, only nodes that never count are excluded.
         """
@@ -123,7 +121,7 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class PlateLayout:
-    """Catalogue and excluded nodes of one plate; they are needed to compute rows of a table."""
+    """The numbers of one plate in a table's rows, and the nodes excluded from its extremes."""
 
     plate: OfWhole
     catalogue: Catalogue  # names and units of this plate's numbers
@@ -131,7 +129,7 @@ class PlateLayout:
 
     @classmethod
     def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
-        """Layout of one plate for rows; ``fields`` are the fields whose extremes are in the rows."""
+        """Layout of one plate; ``fields`` are the fields whose extremes are in the rows."""
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
@@ -143,13 +141,13 @@ class PlateLayout:
         return beside_of(self.plate.own)
 
     def nodes_of(self, field: str) -> slice | Ints:
-        """Slice or indices of this plate's nodes of a field, among the nodes of all plates."""
+        """Slice or indices of the plate's nodes (or stress nodes) of a field, among those of all plates."""
         return self.plate.stress_nodes if field in PEAKING else self.plate.nodes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
-    """Columns of a model's table, and the data that are needed to compute its rows."""
+    """The columns of a model's table, and the data that do not change from row to row."""
 
     model: Model
     catalogue: Catalogue  # names and units of the numbers of a row
@@ -160,14 +158,15 @@ class Layout:
     probes: Floats  # (q, 2): positions of probes
     nodes: Floats  # (s, 2): positions of stress nodes; the mesh's nodes are the first
     members: tuple[PlateLayout, ...]
-    # (p,): travel of every point of every support in a plate at rest; infinite if the point is apart from it
+    # (p,): travel of every point of every support at w = 0; infinite if the point does not touch the plate
     rest: Floats
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model; extremes are those of checked fields and of ``output.envelope``.
+        """Lay out the rows of a model: which numbers they have.
 
-        Without the key ``output.envelope`` design moments and required areas have extremes, too.
+        Rows have extremes of checked fields and of the fields in ``output.envelope``; if this key is not given, also of
+        design moments and required areas.
         """
         model, output = discretisation.model, discretisation.model.output
         designed = model.bars and "envelope" not in output.model_fields_set
@@ -218,7 +217,7 @@ class Layout:
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
-        """Owners of reactions: points of supports at points, unless there are too many; other supports as a whole."""
+        """Owners of listed reactions: each point of supports at points with few points; other supports as a whole."""
         result = []
         for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
             if support.place == "at" and 0 < len(points.positions) <= _MOST_BEARINGS:
@@ -230,7 +229,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Pairs (quantity, owner) whose extremes are listed together with all reactions in the same row."""
+        """Pairs (quantity, bearing) whose extremes are listed with the simultaneous reactions of all bearings."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if self.model.support[one.support].area is not None]
@@ -256,7 +255,7 @@ class Layout:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
-    """Consecutive results (k,), which are rows of a table; NaN and 0 in rows without equilibrium."""
+    """A block of k consecutive rows of a table; numbers are NaN, and counts 0, in rows without equilibrium."""
 
     first: int  # number of the block's first row in the table, from 0
     solved: Bools  # (k,): whether there is an equilibrium
@@ -267,11 +266,11 @@ class Block:
     values: Floats  # (k, n): numbers of each row in the order of the layout's catalogue
     reaction: Floats  # (k, p): reactions of every point of every support
     closed: Bools  # (k, p): whether each point is closed
-    # (k, p): whether the plate has lifted off each point: without gap at w = 0, but open in this row
+    # (k, p): whether the plate has lifted off each point, which is without gap at w = 0 but open in this row
     lifted: Bools
     on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    # (k, f, 4, 2): positions of the extremes of each field and of its means; after these, those of each plate
+    # (k, f, 4, 2): positions of max, min, max_mean and min_mean of each field; with several plates also by plate
     places: Floats
 
     @classmethod
@@ -346,7 +345,7 @@ class Block:
                 self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 
     def put_numbers(self, rows: Ints, layout: Layout, each: Sequence[Floats], places: Sequence[Floats]) -> None:
-        """Fill rows (r,) with the numbers (r, n) of every plate and the positions (r, f, 4, 2) of their extremes."""
+        """Fill rows (r,) with the numbers (r, n) of every plate and positions (r, f, 4, 2) of the fields' extremes."""
         self.values[rows] = layout.catalogue.of_members(each)
         count = len(layout.fields)
         if len(each) == 1:
@@ -374,9 +373,9 @@ class Block:
         return self.on_areas[np.ix_(rows, own)]
 
     def columns(self, layout: Layout, keys: NamedColumns, loads: NamedColumns = ()) -> Iterator[tuple[str, Column]]:
-        """Yield the name and the values (k,) of every column.
+        """Yield the name and the values (k,) of every column of the table.
 
-        ``keys`` are the columns that identify the rows, ``loads`` the columns that describe the load.
+        ``keys`` are the first columns, which identify the rows; ``loads`` are the columns that describe their loads.
         """
         yield from keys
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]

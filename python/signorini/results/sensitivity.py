@@ -42,10 +42,10 @@ class Derivative:
 
 
 class Sensitivity(Mapping[str, float]):
-    """Derivatives of one number by path of the parameter, each computed on first access.
+    """Derivatives dy/dp of one number y, by path of the parameter p; each is computed on first access.
 
-    Iteration yields the numbers in the tables of the input that do not move the mesh, and the factors of load cases as
-    ``case.NAME.factor``. Other paths are accepted too: "support.soil.gap" where the input gives no gap.
+    Iteration yields the paths of all numbers of the input that do not move the mesh, and ``case.NAME.factor`` for the
+    factors of load cases. Other paths are accepted too, such as "support.soil.gap" if the input gives no gap.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Sensitivity(Mapping[str, float]):
         return len(self.paths)
 
     def __repr__(self) -> str:
-        """Name the number and the count of parameters, without computing a derivative."""
+        """Text with the number's name and the count of parameters; no derivative is computed."""
         return f"Sensitivity({self.name!r}, {self.combination!r}: {len(self)} parameters)"
 
     @cached_property
@@ -116,12 +116,12 @@ class Sensitivity(Mapping[str, float]):
 
     @cached_property
     def valid(self) -> Mapping[str, tuple[float, float]]:
-        """Range of each parameter, see `Derivative`, by path."""
+        """Range of each parameter without a change of pieces, `Derivative.valid`, by path."""
         return OnDemand(self.paths, lambda path: self.derivative(path).valid, None, "parameter", "This sensitivity")
 
     @property
     def derivatives(self) -> tuple[Derivative, ...]:
-        """The derivatives with respect to all parameters, also those that do not exist."""
+        """`Derivative` of every parameter; a derivative that does not exist is NaN and has a reason."""
         return tuple(self.derivative(path) for path in self.paths)
 
     def to_dataframe(self) -> Any:

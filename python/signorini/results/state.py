@@ -1,4 +1,4 @@
-"""State of a plate under one combination: fields at nodes, supports, numbers and certificate."""
+"""The class `ResultState`: fields, supports, numbers and certificate of a plate under one combination."""
 
 from __future__ import annotations
 
@@ -118,23 +118,23 @@ class ResultState(Remade):
     thickness: Floats
     catalogue: Catalogue
     _read: Floats
-    """Numbers (k,) of the catalogue without extremes of fields and most checks, which are NaN."""
+    """Values (k,) of the catalogue's numbers; extremes of fields, and checks except overturning, are still NaN."""
     combination: Combination | None
     means: Means | None = None
     moment_of_bars: Floats | None = None
-    """Moments (s, 3) for the design of bars at columns, see `Reinforcement.face`; None if they are ``moment``."""
+    """Moments (s, 3) for the design of bars, changed at columns by `Reinforcement.face`; None if all are ``moment``."""
     punching: Listed[ColumnResult] = field(default_factory=lambda: Listed((), "punching"))
     """Results of the columns of [[punching]], found by number from 0 or by name, as ``"columns[1]"``."""
     plates: Mapping[str, Self] = field(default_factory=dict)
 
     @property
     def members(self) -> Mapping[str, Self]:
-        """Results of the plates by name; a single plate is its only member."""
+        """Results of the plates by name; a single plate has the name ""."""
         return self.plates or {"": self}
 
     @property
     def counted(self) -> str:
-        """Unit in which ``iterations`` counts, such as pivots."""
+        """Noun for ``iterations``: "pivots" or "Newton steps"."""
         return "pivots" if self.method == "lemke" else "Newton steps"
 
     @property
@@ -238,7 +238,7 @@ class ResultState(Remade):
 
     @cached_property
     def numbers(self) -> Floats:
-        """Every number (k,) in the order of the ``catalogue``; NaN for missing numbers."""
+        """Value (k,) of every number, in the order of the ``catalogue``; NaN for missing values."""
         if self.status != "solved":
             return self._read
         result, at = self._read.copy(), self.catalogue.at
@@ -258,6 +258,6 @@ class ResultState(Remade):
         """Raise `InputError` if the result is that of several plates, or has no equilibrium."""
         if self.plates:
             names = ", ".join(f'plates["{name}"]' for name in self.plates)
-            raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")
+            raise InputError(f"There are several plates. Take the result of one plate: {names}.", place="plates")
         if self.status != "solved":
             raise InputError(f"There are no fields: {self.message}", place="field")

@@ -1,4 +1,4 @@
-"""Points of each support: held nodes, springs and contact points; and the closed part of a support."""
+"""Points of each support (held nodes, springs, contact points), and the closed part of a line."""
 
 from __future__ import annotations
 
@@ -20,24 +20,23 @@ from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 class SupportPoints:
     """Points (p,) of one support.
 
-    On an area with element means, each point is an element, with all forces in this element.
+    If an area acts on mean deflections of elements, each point stands for an element and has all forces in it.
     """
 
     nodes: Ints
-    """Nodes (h,) at which the support holds the deflection. Held nodes and springs are "fixed" points, which are always
-    closed."""
+    """Nodes (h,) at which the support holds the deflection. Held nodes and springs are "fixed" points, always closed.
+    """
     springs: Ints  # (s,): numbers of the support's springs
-    # (h,): the support's share of the reaction at each held node, equal for all supports that hold the node
+    # (h,): the support's share of the reaction at each held node, 1/j if j supports hold the node
     share: Floats
     rows: Ints
-    """Numbers (r, c) of contact points, including repeated points; r = 2 if a point has a row for each direction of
-    travel."""
+    """Numbers (r, c) of the c contact points, including repeated points; r = 2 if each has a row up and a row down."""
     direction: Floats  # (r, c): +1 if a row pushes the plate up, −1 if a row holds the plate down
-    order: Ints  # (h + s + c,): takes held nodes, springs, contact points to the order of the input
+    order: Ints  # (h + s + c,): permutation of held nodes, springs and contact points to the order of the input
     positions: Floats  # (p, 2): positions of the points in the order of the input
     weights: Floats  # (p,): length or area that each point represents; 1 for supports at points
     elements: Ints  # (p,): element that contains each point; −1 for held nodes
-    # (c', c): for an area with element means, the shares of each element in the area's contact points
+    # (c', c): for an area that acts on element means, the share of each of its c' elements in the contact points
     shares: csr_array | None
     # (p, 2): numbers of each point's springs on θx and θy; empty without a rotational stiffness
     turning: Ints
@@ -49,13 +48,13 @@ class SupportPoints:
         contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(discretisation.held.nodes, minlength=discretisation.mesh.node_count)[nodes]
-        # If the support has all contact points, a slice avoids a copy of the arrays.
+        # If all contact points belong to this support, a slice avoids a copy of the arrays.
         first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
         shared, shares = contacts.shared[first], None
         if (shared >= 0).any():
             elements, shares = _shares(shared, weight)
-            # The first contact point of an element is its mean; the element has this point's position.
+            # The first contact point of an element holds its mean deflection; the element has this position.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
         positions = np.concatenate(
@@ -105,7 +104,7 @@ class SupportPoints:
         return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
-        """Position (p, 2) of every point's force, given contact forces (m,); in an element the forces' centroid."""
+        """Position (p, 2) of every point's force, given contact forces (m,): in an element the centroid of forces."""
         if self.shares is None:
             return self.positions
         pushing = np.abs(reaction[self.rows]).sum(axis=0)
@@ -119,7 +118,7 @@ class SupportPoints:
         return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
 
     def gaps(self, gap: Floats) -> Floats:
-        """Remaining free travel (..., p) of points, given gaps (..., m) of contact points; 0 for repeated points."""
+        """Remaining free travel (..., p) of the support's points, given the gaps (..., m) of contact points."""
         gap = _with(np.maximum(gap, 0.0), self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         if self.shares is not None:
@@ -128,17 +127,17 @@ class SupportPoints:
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
     def rest(self, discretisation: Discretisation) -> Floats:
-        """Travel (p,) of every point if the plate is at rest, w = 0; infinite if the point does not touch it.
+        """Free travel (p,) of every point at w = 0; infinite if the support has a gap there.
 
-        Otherwise the travel is the settlement of the support away from the plate. If a point has more travel, the plate
-        has lifted off it.
+        Without a gap the travel is the settlement of the support away from the plate. If a point has more free travel
+        than this in a solution, the plate has lifted off it.
         """
         contacts = discretisation.contacts
         apart = contacts.distance > contacts.settlement
         return self.gaps(np.where(apart, np.inf, contacts.settlement))
 
     def closed(self, closed: Bools) -> Bools:
-        """Mask (..., p) of closed points, given that (..., m) of contact points; repeated points count as closed."""
+        """Mask (..., p) of the support's closed points, given the mask (..., m) of all closed contact points."""
         closed = _with(closed, self.rows, True)
         touching = np.asarray(closed[..., self.rows].any(axis=-2))
         if self.shares is not None:
@@ -147,9 +146,9 @@ class SupportPoints:
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
     def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
-        """Pieces (p,) of the laws of this support's points, given those of all contact points (m,).
+        """Piece (p,) of its law on which each of the support's points is, given the pieces (m,) of all contact points.
 
-        If a support has travel in both directions, its pieces are numbered in the order of travel down.
+        If a support has travel in both directions, the pieces are numbered in the order of downward travel.
         """
         contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
         if len(own) == 2:
@@ -160,8 +159,8 @@ class SupportPoints:
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
         """Mask (p,) of the points whose reaction reaches its limit, given the reactions (m + r,) of all points.
 
-        The force decides, not the piece as in `ContactPoints.yield_on`: repeated points have a share of the force, but
-        no piece.
+        Forces are compared with limits. The pieces of `ContactPoints.yield_on` cannot be used, since repeated points
+        have a share of the force, but no piece.
         """
         least, most = discretisation.points.limits
         at_end = ((least < 0.0) & (reaction <= least * _ALL)) | (reaction >= most * _ALL)
@@ -172,14 +171,16 @@ class SupportPoints:
 
 
 def _with(values: Floats | Bools | Pieces, rows: Ints, repeated: float) -> Any:
-    """Append the value ``repeated`` to values (..., m) of contact points, for each repeated point in ``rows``."""
+    """Extend values (..., m) of contact points by the value ``repeated`` for each repeated point in ``rows``."""
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)
     return np.concatenate([values, behind], axis=-1) if more else values
 
 
 def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
-    """Elements (e,), and their shares (e, c) in contact points that represent parts of up to four elements (c, 4).
+    """Elements (e,) of an area, and the shares (e, c) of elements in contact points that up to four elements share.
+
+    ``shared`` (c, 4) are the elements of each point.
 
     Shares are proportional to area, so that a point on the outline causes the same pressure in a small part of an
     element as in the adjacent element.
@@ -187,7 +188,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)
     several = np.bincount(element, minlength=len(elements)) - 1
-    # An element's mean precedes the points on the outline; their parts are subtracted from the mean's area.
+    # An element's first point holds the mean; the areas of its points on the outline are subtracted from its area.
     mean = np.full(len(elements), len(shared))
     np.minimum.at(mean, element, point)
     area = weights[mean] / (1.0 - STRIP * several)
@@ -198,31 +199,30 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 
 
 _ALL = 1.0 - 1e-9
-"""Smallest ratio of a force to its limit at which the force counts as at the limit; the difference is due to rounding.
-"""
+"""Smallest ratio of a force to its limit with which the force counts as at the limit, to allow for rounding."""
 _INWARD = 3e-10
-"""Distance by which an element's point is moved inward, relative to the plate's size, since corners belong to several
-elements.
+"""Distance by which an element's point is moved inward, relative to the plate's size. At a corner, the point would
+belong to several elements.
 """
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Divisors of forces and lengths with which margins of closed and of open points can be compared."""
+    """Reference force and length, which divide forces and gaps so that closed and open points are comparable."""
 
     force: float
     length: float
 
     @classmethod
     def of(cls, answer: Answer) -> Scales:
-        """Divisors from an answer: its largest reaction, and its largest gap or deflection."""
+        """Reference values of an answer: its largest reaction, and its largest gap or deflection."""
         force = float(np.abs(answer.shared).max(initial=0.0))
         length = max(float(np.abs(one).max(initial=0.0)) for one in (answer.gap, answer.hi[::3]))
         return cls(force or 1.0, length or 1.0)
 
 
 def closed_part(discretisation: Discretisation, points: SupportPoints, answer: Answer) -> float:
-    """Closed part of a line, 0 to 1, by length; its boundary is interpolated linearly between two points."""
+    """Closed part of a line, 0 to 1, by length; its end is interpolated linearly between a closed and an open point."""
     values, middles = in_falling_order(
         closed_by_point(discretisation, points, answer, Scales.of(answer)), points.weights
     )
@@ -234,7 +234,7 @@ def closed_part(discretisation: Discretisation, points: SupportPoints, answer: A
 
 
 def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """Scaled margin (p,) of each point: the overlap if elastic, or the reaction if rigid; minus the gap if open."""
+    """Scaled margin (p,) of each point, ≥ 0 if closed: travel if elastic, reaction if rigid; minus the gap if open."""
     contacts = discretisation.contacts
     soft = contacts.compliance > 0
     pressing = np.where(soft, contacts.compliance * answer.reaction / scales.length, answer.reaction / scales.force)
@@ -248,7 +248,7 @@ def closed_by_point(discretisation: Discretisation, points: SupportPoints, answe
 
 
 def in_falling_order(own: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Sort values in falling order; return these, and the middles of their cumulative weights relative to the total."""
+    """Sort values in falling order; also return the middles of their intervals of cumulative weight, 0 to 1."""
     order = np.argsort(-own, kind="stable")
     sorted_weights = weights[order] / weights.sum()
     return own[order], np.cumsum(sorted_weights) - 0.5 * sorted_weights

@@ -22,10 +22,10 @@ from signorini.results.readings import Readings, SupportForces
 
 @dataclass(frozen=True, eq=False)
 class EdgeCouples:
-    """Mean couple per length (k,) with which a support holds element sides (k, 2, 2) along edges of the plate.
+    """Mean couple per length (k,) that a support exerts on element sides (k, 2, 2) along edges of the plate.
 
     A side is given by its two ends and has the plate on its left. Sides within a rigid zone or inside the plate are
-    left out. A couple acts across the edge, positive where the plate sags.
+    left out. The couple holds the slope across the edge and is positive where the plate sags.
     """
 
     sides: Floats
@@ -33,7 +33,7 @@ class EdgeCouples:
 
     @classmethod
     def of_springs(cls, mesh: Mesh, edges: Sequence[str], positions: Floats, couples: Floats) -> Self:
-        """Sum the couples of springs (s,) at positions (s, 2) over each side of the edges, divided by its length."""
+        """Couples per length from couples (s,) of rotational springs at positions (s, 2), summed over each side."""
         sides = _sides(mesh, edges, np.zeros(mesh.node_count, np.bool_))
         begin, end = mesh.points[sides[:, 0]], mesh.points[sides[:, 2]]
         along = end - begin
@@ -45,10 +45,10 @@ class EdgeCouples:
 
     @classmethod
     def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
-        """Spread couples (n, 2) of held nodes over the lengths that nodes represent, as for consistent nodal forces.
+        """Couples per length from couples (n, 2) of held nodes, each divided by the length that its node represents.
 
-        A node has couples of several sides if two ``held`` sides (h, 3) meet at a corner there, or if it is in a rigid
-        zone, ``rigid`` (n,). For such a node the mean of the side's other nodes is used.
+        The couple of a node belongs to several sides if ``held`` sides (h, 3) meet at a corner there, or if the node is
+        in a rigid zone, ``rigid`` (n,). For such a node the mean of the side's other nodes is used.
 
         Examples
         --------
@@ -87,7 +87,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 
 def kinds(support: Support) -> list[str]:
-    """Kinds of a support, which are keys of `MEANINGS` and `SYMBOLS`: direction, and whether the support is elastic."""
+    """Keys of `MEANINGS` and `SYMBOLS` for a support: "fixed" or its direction; also "elastic" if it is elastic."""
     how = "fixed" if support.fixed else support.direction
     return [how, "elastic"] if support.is_compliant else [how]
 
@@ -206,7 +206,7 @@ class SupportResult(Remade):
 
     @property
     def prying(self) -> float:
-        """Prying: force of the bolts divided by the upward resultant of the loads; NaN without bolts or upward load."""
+        """Prying: tension of bolts divided by the upward resultant of the loads; NaN without bolts or upward load."""
         return self.numbers.get("prying", np.nan)
 
     @property
@@ -227,12 +227,12 @@ class SupportResult(Remade):
 
     @property
     def contact_area(self) -> float | None:
-        """Area in contact, from the deflection field if the support is elastic; None if the support is not an area."""
+        """Contact area, from the deflection field if the support is elastic; None if the support is not an area."""
         return self.numbers.get("contact_area")
 
     @property
     def yielded_area(self) -> float | None:
-        """Area in which the limit is reached, from deflections of an elastic area; None if the force is unbounded."""
+        """Area in which the limit is reached, from the deflection field if elastic; None if there is no limit."""
         return self.numbers.get("yielded_area")
 
     @property
@@ -264,7 +264,7 @@ class SupportResult(Remade):
 
 
 def support_result(readings: Readings, index: int, forces: SupportForces) -> SupportResult:
-    """Result of support number ``index``, from readings of a single solution and the nodal forces of all supports."""
+    """Result of support number ``index``, from the readings of one solution and the nodal forces of all supports."""
     reading = readings.supports[index]
     discretisation, support, points = readings.discretisation, reading.support, reading.points
     (answer,), area = readings.answers, None
@@ -274,7 +274,7 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
         reading.reactions[0],
     )
     if support.area is not None:
-        # The result uses the arrays of the area, so that a pickle contains each array once.
+        # The support's result and its area share the same arrays, so that a pickle contains each array once.
         (area,) = reading.areas()
         positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
@@ -319,5 +319,5 @@ def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
 
 
 def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
-    """Lines that support this plate, each with its support; no lines through which another plate rests on it."""
+    """Lines that support this plate, each with its support, without lines through which another plate rests on it."""
     return [(one, one.line) for one in supports if one.line is not None and not one.upon]

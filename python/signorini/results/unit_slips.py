@@ -1,4 +1,4 @@
-"""Warnings about numbers of a model that are probably given in another unit than the model's units."""
+"""Warnings about numbers of the input that are probably in another unit than the model's units."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ _LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "
 _LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
 _FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton": "MN", "pound": "lbf", "tonne": "tf"}
 _ALIKE = 0.7
-"""Smallest similarity of an unknown unit's name to that of a known unit at which the known unit is suggested."""
+"""Smallest similarity (`difflib`) of an unknown unit to a known unit at which the known unit is suggested."""
 _THICKEST = 0.5
-"""Largest ratio of thickness to the plate's smaller extent that causes no warning. EN 1992-1-1, 5.3.1, allows a fifth
-for slabs."""
-_SOFTEST, _STIFFEST = 1e8, 1e12
-"""Range of Young's moduli of plates in Pa. Rubber has a smaller modulus, and hardly any material a larger one than
-diamond.
+"""Largest ratio of thickness to the plate's smaller extent without a warning. EN 1992-1-1, 5.3.1, allows a fifth for
+slabs.
 """
+_SOFTEST, _STIFFEST = 1e8, 1e12
+"""Young's moduli of plates in Pa that cause no warning. Rubber is softer; diamond has about the largest modulus."""
 _LIGHTEST, _HEAVIEST = 100.0, 3e5
-"""Range of unit weights in N/m³: from foam to osmium."""
+"""Unit weights in N/m³ that cause no warning: from foam to osmium."""
 _RIGID, _NONE = 1e3, 1e-4
-"""Limits of a support's stiffness k, in units of D/h⁴ for a bed, D/h³ for a line, D/h² for a point. Above the first
-limit the support is practically rigid. Below the second, with the plate's size in place of h, it has practically no
-effect. Concrete on soil has 0.001 times the first limit and 100 times the second; a base plate on grout has the first.
+"""Bounds of a support's stiffness, relative to D/h⁴ for a bed, D/h³ for a line, D/h² for a point. Above the first bound
+the support is practically rigid. Below the second bound, with the plate's size in place of h, it has practically no
+effect. Concrete on soil has 0.001 times the first bound and 100 times the second; a base plate on grout is at the first
+bound.
 """
 _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
 def unit_slips(discretisation: Discretisation) -> Iterator[str]:
-    """Yield sentences on lengths, Young's modulus, unit weight and stiffnesses that seem to be in another unit."""
+    """Yield warnings about lengths, Young's modulus, unit weight and stiffnesses that seem to be in another unit."""
     yield from _unknown("length", discretisation.model.units.length, METRES, _LENGTHS)
     yield from _unknown("force", discretisation.model.units.force, _NEWTONS, _FORCES)
     yield from _of_lengths(discretisation)
@@ -52,21 +52,21 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
         near = difflib.get_close_matches(given.casefold(), spelt, n=1, cutoff=_ALIKE)
         meant = f' Did you mean "{spelt[near[0]]}"?' if near else ""
         yield (
-            f"units.{kind} = {describe(given)} is an unknown unit. Known are {', '.join(known)}; only "
-            f"with these can the size of numbers be checked.{meant}"
+            f"units.{kind} = {describe(given)} is an unknown unit. Known units are {', '.join(known)}; "
+            f"the size of numbers is checked only with a known unit.{meant}"
         )
 
 
 def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     model, thickness = discretisation.model, float(discretisation.thickness.nominal.max())
-    # The smallest thickness is compared: a zone may be thick in order to be stiff.
+    # The smallest thickness is compared, since some models represent a stiff part by a very thick zone.
     thinnest = float(discretisation.thickness.nominal.min())
     smaller, larger = np.sort(np.ptp(discretisation.mesh.points, axis=0)).tolist()
     if thinnest > _THICKEST * smaller:
         yield (
             f"The thickness, {_length(discretisation, thinnest)}, is {plain(thinnest / smaller, 2)} times the plate's "
-            f"smaller extent, {_length(discretisation, smaller)}, and of a plate it is a fifth at most: "
-            "was another unit meant?"
+            f"smaller extent, {_length(discretisation, smaller)}; the thickness of a plate is at most "
+            "a fifth of its extent: was another unit meant?"
         )
     if (size := model.mesh.size) is not None and size > larger:
         yield (
@@ -129,11 +129,11 @@ def _of_supports(discretisation: Discretisation) -> Iterator[str]:
         words = f"The stiffness of {support.name}, {stiffness:.4g}, is "
         if within > _RIGID:
             yield (
-                f"{words}{plain(within, 2)} times that of the plate within its thickness: as good as rigid. Is it in "
-                "the units of E and of lengths? A support without stiffness is rigid."
+                f"{words}{plain(within, 2)} times D/h^{power} of the plate with thickness h: as good as rigid. Is it "
+                "in the units of E and of lengths? For a rigid support leave out its stiffness."
             )
         elif over < _NONE:
             yield (
-                f"{words}{plain(over, 2)} of that of the whole plate: as good as none. Is it in the units of E and of "
-                "lengths?"
+                f"{words}{plain(over, 2)} times D/L^{power} of the plate with size L: as good as none. Is it in the "
+                "units of E and of lengths?"
             )

@@ -1,4 +1,4 @@
-"""Fields of a result in the form of a .vtu file."""
+"""Convert the fields of a result to the fields of a .vtu file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _VECTORS = {
     "reinforcement_bottom": ("as_x_bottom", "as_y_bottom"),
     "reinforcement_top": ("as_x_top", "as_y_top"),
 }
-"""Components of the vectors in a .vtu file: names of fields, by name of the vector."""
+"""Vectors in a .vtu file: names of the fields that are their components, by name of the vector."""
 
 
 def vtk_fields(result: ResultState) -> tuple[dict[str, Floats], dict[str, Floats]]:

@@ -36,39 +36,37 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
 _FOLLOWED = 0.5
-"""Smallest part of a line on element sides at which the mesh counts as following the line."""
+"""Smallest part of a line's length on element sides with which the mesh counts as following the line."""
 _SMALLER = 0.5
-"""Suggested element size, relative to elements that a line cuts, or to the elements of a strip that is one element
-wide.
-"""
+"""Element size that warnings suggest, relative to the present elements that a line cuts or that form a strip."""
 _STRIP = 4
-"""Smallest number of elements of an elastic area that can be a strip; an area of fewer elements is a pad."""
+"""Smallest number of elements of an elastic area that counts as a strip; fewer elements are a pad."""
 _INSIDE = 1e-6
-"""Smallest depth of a point of one area inside another at which the areas count as overlapping, relative to the plate's
-size.
-"""
+"""Two areas overlap if a point of one is deeper inside the other than this depth, relative to the plate's size."""
 _TOUCH = 1e-6
-"""Largest common area of two regions that count as only touching, relative to the smaller region."""
+"""Largest common area of two regions that only touch, relative to the area of the smaller region."""
 _NOTHING = 1e-9
-"""Largest component of a couple that counts as zero, relative to the couple."""
+"""Component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
 _HARDLY = 1e-6
-"""Largest tension that counts as zero, relative to the largest pressure."""
+"""Largest tension of an area that counts as zero, relative to the area's largest pressure."""
 _OUTWEIGHS = 1e3
-"""Smallest ratio of reactions to acting forces that causes a warning; couples are divided by the thickness. A thin
-plate has such a ratio on supports that are a tenth of its thickness apart."""
-_UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
+"""Ratio of a support's reactions to the loads that causes a warning; couples of loads are divided by the thickness. A
+thin plate has such a ratio on supports that are a tenth of its thickness apart.
+"""
+_UNSAID = ', since resists is left out. Give resists = "down" if the plate can lift off it, else "both".'
 _INFINITE = ": the required reinforcement is infinite there. Use a thicker plate or stronger concrete."
 _LARGEST = ("", ENDS.index("max")), ("_mean", ENDS.index("max_mean"))
-"""Ending of extremes in `Envelope.field`, and index of the largest value's place."""
+"""For the maximum and the largest mean: argument ``mean`` of `Envelope.field`, and row of `Envelope.places_of`."""
 _MOST = 0.75
-"""Largest part of the plate's area in which moments or shears are singular, and excluded from extremes, without a
-warning. For thick covers of flanges on many bolts this part is a half."""
+"""Largest part of the plate's area that extremes exclude near singularities without a warning. For thick covers of
+flanges on many bolts this part is a half.
+"""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
     """Warnings of a model, such as E in another unit, a mesh of one element, two supports at one place.
 
-    Footprints of moving loads are checked at the positions in ``acting``, or at all positions if it is None.
+    ``acting`` are the load cases at whose positions of moving loads footprints are checked; None for all positions.
     """
     of_plates = {plate.name: plate.own for plate in discretisation.members}
     return said_of({name: (*_whatever_acts(own), *_wheels_off(own, acting)) for name, own in of_plates.items()})
@@ -90,7 +88,7 @@ def result_warnings(
     of_bars: Floats,
     means: Means,
 ) -> tuple[str, ...]:
-    """Warnings of the result of one combination; the model's warnings are first.
+    """Warnings of the result of one combination: first those about the model, then those about the answer.
 
     ``of_bars`` (s, 3) are moments at stress nodes for the design of bars.
     """
@@ -128,7 +126,7 @@ def too_thin(discretisation: Discretisation, load: CaseLoad, of_bars: Floats, me
 
 
 def rows_too_thin(envelope: Envelope, key: Callable[[int], str]) -> Iterator[str]:
-    """Warn of the first row of an envelope in which a section cannot resist its design moment, for each field of bars.
+    """Warn, for each field of required reinforcement, of a row in which a section cannot resist its design moment.
 
     ``key`` is the name of a row.
     """
@@ -143,29 +141,29 @@ def rows_too_thin(envelope: Envelope, key: Callable[[int], str]) -> Iterator[str
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
-    """Sentences on how an answer that is not unique may differ, and remain right."""
+    """Sentences that describe which parts of an answer are not unique."""
     return tuple(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique)
 
 
 def idle_cases(model: Model) -> Iterator[str]:
     """Warn of load cases and moving loads that occur in no combination.
 
-    This is not checked for load paths, whose loads are named by the caller.
+    Load paths have no such warning, since the caller names their loads.
     """
     taken = model.effective_combinations.cases
     for case in model.load_cases:
         if case not in taken:
-            yield f'The load case "{case}" acts in no combination. Is its name the one that is meant?'
+            yield f'The load case "{case}" acts in no combination. Is its name spelled correctly?'
     for case, positions in model.positions.items():
         if taken.isdisjoint(positions):
             yield (
-                f'The moving load "{case}" acts in no combination. Name it in one with generate = "positions", '
-                '"table" or "patterns".'
+                f'The moving load "{case}" acts in no combination. Name it in a combination with generate = '
+                '"positions", "table" or "patterns".'
             )
 
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
-    """Warn if the forces of a load sum to zero, or if no force acts and no support is moved."""
+    """Warn if the forces of a load sum to zero, or if no load acts and no support settles or is tightened."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
         # Forces between plates are not loads, so there is no warning for several plates.
         return
@@ -173,13 +171,13 @@ def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str
     total = float(np.abs(forces).sum())
     cancel = total and abs(forces.sum()) <= NO_FORCE * total
     if cancel and not any(one.couple is not None and one.has_footprint for one in discretisation.model.load):
-        yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
+        yield "The load's resultant is zero: its forces cancel each other. Do all forces have the right sign?"
     elif not load.nodal.any() and not _some_base_moves(discretisation, load):
         yield "No load acts."
 
 
 def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]:
-    """Warn if a deflection (n,) exceeds the thickness: there the theory of small deflections is no longer valid."""
+    """Warn if a deflection (n,) exceeds the thickness, since the theory is valid for small deflections only."""
     elements, thickness = discretisation.mesh.elements, bending_thickness(discretisation)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
@@ -188,28 +186,28 @@ def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]
         where = point(discretisation.mesh.points[node], discretisation.mesh.size)
         yield (
             f"The deflection at {where}, {deflection[node]:.4g}{unit}, is beyond the thickness, "
-            f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness, loads and "
-            "the stiffness of supports in the same units?"
+            f"{thickness[at]:.4g}{unit}: the theory is valid for small deflections. Are E, thickness, "
+            "loads and the stiffness of supports in the same units?"
         )
 
 
 def _left_out(discretisation: Discretisation) -> Iterator[str]:
-    """Warn if extremes exclude most of the plate, since most nodes are near singularities of moments or shears."""
+    """Warn if extremes of moments or shears exclude most of the plate, since most nodes are near singularities."""
     mesh, named = discretisation.mesh, singularities(discretisation)
     for number in ("moment", "shear"):
         peaks = at_peaks(mesh, named, number)
         part = float(mesh.element_area[peaks[mesh.elements].all(axis=1)].sum() / mesh.element_area.sum())
-        where = f"is less than one thickness from places where {number}s have no limit"
+        where = f"is nearer than one thickness to places where {number}s have no limit"
         if peaks.all():
-            yield f"All of the plate {where}: the largest {number}s are there, and grow as the mesh is refined."
+            yield f"All of the plate {where}: the largest {number}s occur there, and they grow as the mesh is refined."
         elif part > _MOST:
             yield f"{100 * part:.0f} % of the plate {where}. Extremes of {number}s exclude this part."
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
-    """Thickness (ne,) with which deflections are compared; in zones at most the largest thickness outside zones.
+    """Thickness (ne,) of elements with which deflections are compared, at most the largest thickness outside zones.
 
-    Zones move with the plate around them.
+    A thick zone moves with the plate around it, so that its own thickness is no measure of small deflections.
     """
     nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
     own = nominal[discretisation.zones.of_elements.thickness == 0]
@@ -217,7 +215,7 @@ def bending_thickness(discretisation: Discretisation) -> Floats:
 
 
 def _zones(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of overlapping zones with the same key, unless the later zone is within the earlier one, as is usual."""
+    """Warn of overlapping zones that give the same key, unless the later zone is inside the earlier, as is usual."""
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
@@ -225,36 +223,39 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
         if not keys or (both == second).all() or not both.any():
             continue
         if (both == first).all():
-            yield f"The {keys} of zone {one} counts nowhere: zone {other}, which comes later, covers it. Put it behind."
+            yield (
+                f"The {keys} of zone {one} counts nowhere: zone {other}, which comes later, covers it. "
+                f"Put zone {one} after zone {other}."
+            )
         else:
             at = point(discretisation.mesh.points[discretisation.mesh.elements[np.argmax(both), :4]].mean(axis=0))
             yield (
-                f"Zones {one} and {other} overlap, such as at {at}: there the {keys} of zone {other} counts, the later "
-                "one. Is that meant?"
+                f"Zones {one} and {other} overlap, such as at {at}: there the {keys} of zone {other} counts, since it "
+                "is the later zone. Is that intended?"
             )
 
 
 def _never_act(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of points at which other supports hold every dof, so that these points can neither push nor open."""
+    """Warn of support points at which other supports hold every dof, so that these points can neither push nor open."""
     for index, support in enumerate(discretisation.model.support):
         count = len(support.where.points)
         listed = len(SupportPoints.of(discretisation, index).positions)
         if listed < count and support.holds_w:
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
             yield (
-                f"{support.name}: {which} where other supports hold the plate, and have no reaction. Results "
-                "number the other points only."
+                f"{support.name}: {which} where other supports hold the plate, and have no reaction. "
+                "Results number only the other points."
             )
 
 
 def _beds_both_ways(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of beds that can pull the plate down if another support is one-sided: soil and grout hardly pull."""
+    """Warn of beds that act in both directions by default beside one-sided supports: soil and grout hardly pull."""
     if _some_one_way(discretisation.model):
         yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(discretisation.model))
 
 
 def _no_moments(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of punched columns whose β is computed from moments that their points cannot transfer."""
+    """Warn of punched columns with β to be computed from the moment at a support point that transfers no moment."""
     supports = {support.name: support for support in discretisation.model.support}
     for punching in discretisation.model.punching:
         support = supports.get(punching.support or "")
@@ -263,15 +264,15 @@ def _no_moments(discretisation: Discretisation) -> Iterator[str]:
         if not support.rotational and not support.holds_rotation:
             known = " or beta = 1.15 inside, 1.4 at edges, 1.5 at corners (EN 1992-1-1, 6.4.3 (6))"
             yield (
-                f"Punching of {support.name}: supports without rotational stiffness transfer no moment, β = 1. Give "
+                f"Punching of {support.name}: supports without rotational stiffness transfer no moment, so β = 1. Give "
                 f"rotational_stiffness{known if punching.code == EN_1992 else ' or beta'}."
             )
 
 
 def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Warn of beds that pull in this result though the input has no ``resists``.
+    """Warn of beds that pull in this result though the input has no ``resists`` for them.
 
-    There is no warning if a warning of the model already says so.
+    If a support is one-sided, `_beds_both_ways` has warned already.
     """
     if _some_one_way(model):
         return
@@ -282,7 +283,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Warn of reactions much larger than the loads: rigid supports close to each other pry a thin plate apart."""
+    """Warn of reactions much larger than the loads, such as of rigid supports that pry a thin plate apart."""
     if load.curvature.any() or _some_base_moves(discretisation, load) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
@@ -292,13 +293,13 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
         names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
         yield (
             f"Reactions of {names} add up to {_with_unit(discretisation.model, most, 0)}, {most / acting:.1g} times "
-            "the loads: rigid supports near each other pry the plate apart between them. Let them coincide, move them "
+            "the loads: rigid supports near each other pry the plate apart. Make these supports coincide, move them "
             "apart, or give them a stiffness."
         )
 
 
 def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
-    """Whether supports move the plate in addition to a load: they settle, or bolts are tightened."""
+    """Whether supports move the plate in addition to a load, because they settle or bolts are tightened."""
     settles = discretisation.held.values, discretisation.springs.distance, discretisation.points.settlement
     tightened = (one.case in (None, *load.acting) for one in discretisation.model.rounds)
     return any(values.any() for values in settles) or any(tightened)
@@ -320,7 +321,7 @@ def _beds_unsaid(model: Model) -> Iterator[str]:
 
 
 def _unrefined(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of mesh refinements at places outside the plate."""
+    """Warn of mesh refinements (``mesh.refine``) at places outside the plate."""
     mesh = discretisation.mesh
     for index, part in enumerate(discretisation.model.mesh.refine, 1):
         off = [f"point {point(at)}" for at in part.where.points if not mesh.locate(np.array([at])).inside.all()]
@@ -330,11 +331,11 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
         ):
             off.append(part.place)
         for what in off:
-            yield f"The {what} of refinement {index} is not on the plate: it refines no elements."
+            yield f"The {what} of refinement {index} is not on the plate, so it refines no elements."
 
 
 def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of lines and circles of supports and loads that cut elements, since the mesh does not follow them."""
+    """Warn of supports and loads along lines and circles that cut elements, since the mesh does not follow them."""
     model, mesh = discretisation.model, discretisation.mesh
     named: list[tuple[str, Acting]] = [(support.name, support) for support in model.support]
     named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
@@ -349,16 +350,16 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
             size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
             where = f"along it, such as at {point(points.positions[first], mesh.size)}"
             shared = isinstance(item, Support) and item.is_rigid
-            near = ", and near other supports its reaction may miss by more than its ±" if shared else ""
+            near = ", and near other supports the error of its reaction may exceed ±" if shared else ""
             yield (
-                f"The mesh does not follow the {item.place} of {name}: in the elements that it cuts, moments and "
-                f"shears are means of both sides{near}. {to_follow(model, where, size)}"
+                f"The mesh does not follow the {item.place} of {name}: in the elements that the line cuts, moments "
+                f"and shears are means of both sides{near}. {to_follow(model, where, size)}"
             )
 
 
 @kept
 def _off_plate(discretisation: Discretisation) -> list[tuple[str, str, int, float]]:
-    """Footprints of wheels that are partly off the plate, as `partly_off` yields them; computed once."""
+    """Wheels' footprints that are partly off the plate, listed as by `Cases.partly_off`; computed once."""
     return list(discretisation.cases.partly_off())
 
 
@@ -386,19 +387,19 @@ def _name(index: int, load: Load) -> str:
 def _one_element(discretisation: Discretisation) -> Iterator[str]:
     mesh = discretisation.mesh
     if len(mesh.elements) == 1:
-        yield "The mesh is one element, which says little of how the plate bends. Take more."
+        yield "The mesh is a single element, too coarse for the bending of the plate. Use more elements."
     elif np.isin(mesh.elements[:, :4], mesh.sides[mesh.on_boundary]).all():
-        yield "The mesh is one element wide, which says little of how the plate bends across. Take more."
+        yield "The mesh is one element wide, too coarse for bending across the plate. Use more elements."
     elif mesh.spanning.any():
         first = mesh.points[mesh.elements[np.argmax(mesh.spanning), :4]].mean(axis=0)
         yield (
-            f"{int(mesh.spanning.sum())} elements reach from edge to edge, one of them at {point(first)}, which says "
-            "little of how the plate bends there. Take smaller ones, by size or refine."
+            f"{int(mesh.spanning.sum())} elements reach from edge to edge, such as at {point(first)}: too coarse for "
+            "the bending of the plate there. Use smaller elements: mesh.size or mesh.refine."
         )
 
 
 def _one_across(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of elastic strips and rings that are one element wide, such as gaskets: all nodes are on the strip's rim."""
+    """Warn of elastic strips and rings, such as gaskets, that are one element wide: all corners are on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
         if support.area is None or not support.is_elastic:
@@ -411,7 +412,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
             size = _SMALLER * math.sqrt(mesh.element_area[mine].min())
             own = isinstance(discretisation.model.plate, MeshPlate)
             helps = "Make the mesh finer there." if own else f"Take elements of {size:.2g} or less there (mesh.refine)."
-            yield f"{support.name} is one element wide: how its pressure varies across it is left open. {helps}"
+            yield f"{support.name} is one element wide, too coarse for its pressure across the width. {helps}"
 
 
 def _one_place(discretisation: Discretisation) -> Iterator[str]:
@@ -426,7 +427,7 @@ def _one_place(discretisation: Discretisation) -> Iterator[str]:
         if near.any() and _alike(first, second) and as_large:
             yield (
                 f"{first.name} and {second.name} both hold the plate rigidly at "
-                f"{point(here[near][0], discretisation.mesh.size)}: how they share its reaction is a convention."
+                f"{point(here[near][0], discretisation.mesh.size)}: how they share the reaction is a convention."
             )
 
 
@@ -446,7 +447,7 @@ def _couples(discretisation: Discretisation) -> Iterator[str]:
                 if len(lost := np.flatnonzero((apart.min(axis=1) <= mesh.near.place) & (part > _NOTHING))):
                     yield (
                         f"The couple of {_name(index, load)} at {point(load.at[lost[0]])} turns the plate across the "
-                        f"edge {name}, where {holding.name} holds the slope: that part loads the support only."
+                        f"edge {name}, where {holding.name} holds the slope: this component loads the support only."
                     )
 
 
@@ -458,7 +459,7 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
         if first.between != second.between or not _alike(first, second):
             continue
         if _reaches(discretisation, one, other) or _reaches(discretisation, other, one):
-            yield f"The areas of {first.name} and {second.name} overlap: where they do, their stiffness adds."
+            yield f"The areas of {first.name} and {second.name} overlap: in the overlap their stiffnesses add."
 
 
 def _footprints(discretisation: Discretisation) -> Iterator[str]:
@@ -469,11 +470,11 @@ def _footprints(discretisation: Discretisation) -> Iterator[str]:
         first, second = supports[one], supports[other]
         if _alike(first, second) and first.between == second.between:
             what = f"of {first.name}" if one == other else f"of {first.name} and {second.name}"
-            yield f"Footprints {what} overlap, such as at {point(at, mesh.size)}: where they do, both act."
+            yield f"Footprints {what} overlap, such as at {point(at, mesh.size)}: both act in the overlap."
 
 
 def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of overlapping areas and footprints of loads of the same kind in the same load case."""
+    """Warn of overlapping areas or footprints of two loads of the same kind in the same load case."""
     mesh, alike = discretisation.mesh, dict[tuple[str, str], list[tuple[int, Region]]]()
     for index, load in enumerate(discretisation.model.load):
         shapes = load.where.footprints if load.where.region is None else (load.where.region,)
@@ -482,14 +483,11 @@ def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
         for one, other, at in _overlapping(acting):
             which = f"load[{one + 1}]" if one == other else f"load[{one + 1}] and load[{other + 1}]"
             where = f'of {which} (case "{case}") overlap, such as at {point(at, mesh.size)}'
-            yield f"Areas {where}: where they do, their pressures add. Is that meant?"
+            yield f"Areas {where}: in the overlap their pressures add. Is that intended?"
 
 
 def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
-    """Yield the owners of two regions with a common area, and a point within the bounds of both.
-
-    Each pair of owners is yielded once.
-    """
+    """Yield each pair of owners whose regions overlap, with a point inside the bounding boxes of both regions."""
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
     begin = [shape.bounds[0] for _, shape in shapes]
@@ -512,7 +510,7 @@ def _alike(one: Support, other: Support) -> bool:
 
 
 def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:
-    """Whether points of area number ``one`` are inside area number ``other``."""
+    """Whether area support number ``one`` has points inside area support number ``other``."""
     points, others = SupportPoints.of(discretisation, one), SupportPoints.of(discretisation, other)
     positions = points.positions[np.isin(points.elements, others.elements)]
     of_other = discretisation.model.support[other].where.region

@@ -25,17 +25,17 @@ from signorini.shapes.tessellation import Tessellation
 _WHOLE = 1.0 - 1e-9
 """Smallest part of an element's area on the support at which the whole element counts as on the support."""
 _TOUCHING = 1e-9
-"""Largest overlap that counts as zero and causes no pressure, relative to the largest overlap or gap at the nodes."""
+"""Largest overlap of plate and support that counts as zero, relative to the largest overlap or gap at the nodes."""
 _ON_OUTLINE = 1e-9
 """Largest distance from the support's outline at which a point counts as on the outline, relative to the plate's size.
 """
 _STRAIGHT = 1e-3
-"""Largest distance of a simplified polyline from the edge of contact, relative to the element size."""
+"""Tolerance for simplifying the edge of contact: distance of the polyline from it, relative to the element size."""
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
 def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
-    """Mesh of the elements (q,) of a mesh; each element is taken once, in rising order."""
+    """Mesh that consists of the listed elements (q,) of a mesh, each once, in rising order of their numbers."""
     some = np.unique(elements)
     return mesh if len(some) == len(mesh.elements) else mesh.part(some)
 
@@ -62,7 +62,7 @@ class AreaContact(Remade):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Smallest and largest pressure that the support can exert if it had no limit."""
+        """Smallest and largest pressure that the support's direction allows, regardless of its limit: 0 or infinite."""
         return self._law.bounds
 
     @property
@@ -122,7 +122,7 @@ class AreaContact(Remade):
 
     @property
     def range(self) -> tuple[float, float]:
-        """Smallest and largest pressure over `pressure_places` and 0."""
+        """Range of the pressure for a colour scale: extremes over `pressure_places`; the range includes 0."""
         return float(np.fmin.reduce(self._measured, initial=0.0)), self.largest[0]
 
     @cached_property
@@ -163,8 +163,8 @@ class AreaContact(Remade):
     def pressing(self, cut: Tessellation) -> Floats:
         """Pressure (v,) of an elastic area at vertices of a cut mesh, as if it acted in both directions; 0 if unknown.
 
-        The area exerts only pressures within `bounds`. The pressure without bounds is smooth; its zero line is the edge
-        of contact.
+        The pressure that the area really exerts is this pressure limited to `bounds`. Without this limitation the
+        pressure is smooth, and its zero line is the edge of contact.
         """
         at = cut.interpolate(self.mesh.points)
         return np.nan_to_num(self._law.pressure(cut.interpolate(self.deflection), at))
@@ -180,11 +180,11 @@ class AreaContact(Remade):
         return float(self._areas(self.closed[None], *self._crossed_here[:3])[0])
 
     def contact_areas(self, deflection: Floats, closed: Bools) -> Floats:
-        """Areas in contact (k,) in k solutions, from deflections (k, n) and the mask (k, q) of closed points.
+        """Contact areas (k,) in k solutions, from deflections (k, n) and the mask (k, q) of closed points.
 
-        Elements with every point closed count as a whole. In elements that the edge of contact may cross, the area is
-        computed on a grid that is finer than the points. In an element wholly in contact, the area is exactly that of
-        the support in the element.
+        An element with every point closed counts with its whole area on the support. In elements that the edge of
+        contact may cross, the area is computed on a grid that is finer than the points. In an element wholly in
+        contact, the area is exactly that of the support in the element.
         """
         return self._areas(closed, *self._crossed(deflection, closed, self._law)[:3])
 
@@ -235,7 +235,7 @@ class AreaContact(Remade):
 
     @cached_property
     def per_element(self) -> csr_array:
-        """Matrix (ne, q) with the entry 1 where an element contains a point."""
+        """Matrix (ne, q) that sums values at points over each element: entry 1 if the element contains the point."""
         points = np.arange(len(self.elements))
         return csr_array((np.ones(len(points)), (self.elements, points)), shape=(len(self.covered), len(points)))
 
@@ -244,9 +244,10 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None], self._law)
 
     def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
-        """Elements (p,) that the edge of contact may cross in solutions (p,), and their parts (p,) in contact.
+        """For p pairs of a solution and an element that the edge of contact may cross: the element's part in contact.
 
-        Returns the numbers of solutions, elements, parts, and the zero tolerance (k,) of the overlap in each solution.
+        Returns the numbers (p,) of the solutions, the numbers (p,) of the elements, the parts (p,) from 0 to 1, and the
+        zero tolerance (k,) of the overlap in each of the k solutions.
         """
         if self.on_means or not can_let_go(self.support):
             nothing = np.zeros(0, np.int64)
@@ -279,19 +280,19 @@ class AreaContact(Remade):
 
 
 _STEP = 1e-6
-"""Length of the step from a point to a position beside it, relative to the plate's size: longer than the tolerance of
-outlines.
+"""Length of the step from a point on a common border of areas into one of them, relative to the plate's size; it is
+longer than the tolerance of outlines.
 """
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
-"""Unit vectors of the directions of steps; the outlines of common shapes are parallel to none of these."""
+"""Unit vectors of the directions of these steps; the usual outlines of areas are parallel to none of the directions."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:
     """Mask (a, q) of the areas that act at positions (q, 2), given the mask ``on`` of areas that contain the positions.
 
-    ``on`` includes borders. From a position on a common border, steps are taken in a fixed order of directions. The
-    first step that ends inside an area decides: the areas that contain its end act. So one area acts where two areas
-    touch, and both act where they overlap.
+    ``on`` includes borders. From a position on a common border of areas, steps are taken in a fixed order of
+    directions. The first step that ends inside an area decides: the areas that contain the end of the step act. So only
+    one area acts on the border where two areas touch, and both areas act where they overlap.
     """
     several = np.flatnonzero(on.sum(axis=0) > 1)
     if not len(several):
@@ -312,7 +313,7 @@ def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: 
 
 
 _ALONG = 24
-"""Number of stations along a side of an element, for the part of its area on several overlapping rigid areas."""
+"""Number of sample points along each direction of an element that overlapping rigid areas cover in part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,7 +336,7 @@ class Pressures:
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
     def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
-        """Pressure (..., k) at ``nodes``, from their deflections (..., k) and forces (..., p) of each area's points."""
+        """Pressure (..., k) at `nodes`, from their deflections (..., k) and forces (..., p) of points, area by area."""
         total = np.zeros(deflections[0].shape)
         for area, on in zip(self._elastic, self._acting, strict=True):
             own = self.areas.index(area)
@@ -343,7 +344,7 @@ class Pressures:
         return total
 
     def on_elements(self, forces: Sequence[Floats]) -> Floats:
-        """Mean pressure (..., k) over the part of ``elements`` on rigid areas, from forces of each area's points."""
+        """Mean pressure (..., k) over the part of each of `elements` on rigid areas, from forces of areas' points."""
         total = np.zeros((*forces[0].shape[:-1], len(self.elements)))
         for area in self._rigid:
             total += (area.per_element[self.elements] @ forces[self.areas.index(area)].T).T
@@ -364,7 +365,7 @@ class Pressures:
 
     @cached_property
     def _part(self) -> Floats:
-        """Area (k,), in each of ``elements``, that is on at least one rigid area."""
+        """Area (k,) of the part of each of `elements` that is on at least one rigid area."""
         parts = np.array([area.covered[self.elements] for area in self._rigid])
         most, least = parts.sum(axis=0), parts.max(axis=0)
         several = np.flatnonzero(most > least)

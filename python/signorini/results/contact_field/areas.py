@@ -1,4 +1,4 @@
-"""Contact of area supports, under load and without load ("at rest": w = 0)."""
+"""Build the contact of area supports under load and "at rest", that is without load and deflection."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _ground(discretisation: Discretisation, index: int) -> Mesh:
 
 @kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area support without load, computed once; it has the support's geometry and law."""
+    """Contact of an area support at w = 0, computed once. Its geometry and law are used for any deflections."""
     positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
     nothing = np.zeros(len(positions))
     return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
@@ -44,7 +44,7 @@ def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Mask (ne,) of the elements in which an area is stiffer than the plate.
 
-    For an area that never opens, these are the elements in which the area is practically rigid.
+    If the support's law is straight, these are the elements in which the area is practically rigid.
     """
     stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
     if support.modulus is not None:

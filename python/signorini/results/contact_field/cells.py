@@ -65,11 +65,11 @@ _Values = TypeVar("_Values", Floats, Bools)
 _FINEST = 12
 _MOST_CELLS = 1_000_000
 _AT_ONCE = 100_000
-"""Largest number of vertices for which values are computed at once, so that they fit into the processor's cache."""
+"""Largest number of vertices of cells whose values are computed at once, so that these values fit into the cache."""
 
 
 def divisions(count: int) -> int:
-    """Number d of cells along a side of each element, given the number of elements that are divided into d² cells."""
+    """Number d of cells along each side of an element, given how many elements are to be divided into d² cells."""
     return int(np.clip(2 * round(np.sqrt(_MOST_CELLS / max(count, 1)) / 2), 2, _FINEST))
 
 
@@ -81,7 +81,7 @@ class _Grid(NamedTuple):
     depth: Floats
     """(e, d + 1, d + 1): depth of the vertices inside the support."""
     travel: tuple[Floats, Floats]
-    """(e, d + 1, d + 1) each: settlement and gap of the support at the vertices."""
+    """Settlement and gap of the support at the vertices, each (e, d + 1, d + 1)."""
     areas: Floats
     """(e, d, d, 2): areas of the two triangles of each cell."""
     whole: Bools
@@ -101,12 +101,13 @@ class Cells:
     depth: Callable[[Floats], Floats]  # maps positions (q, 2) to their depths (q,) inside the support
 
     def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
-        """Parts (p,) in contact of the areas of elements (p,) on the support, in solutions (p,).
+        """Compute the part in contact of each element that the edge of contact crosses, in k solutions.
 
-        Returns the numbers of solutions, the numbers of elements, and the parts from 0 to 1. Arguments are deflections
-        (k, n), a mask (k, ne) of elements that the edge of contact may cross, and zero tolerances (k,) of the overlap.
-        Neighbours into which the edge continues are added. A part is NaN where no area of the element is on the
-        support. Overlap and depth are linear on triangles.
+        Returns three arrays (p,) for p pairs: number of the solution, number of the element, and part in contact, from
+        0 to 1, of the element's area on the support. The part is NaN if no area of the element is on the support.
+        Arguments are deflections (k, n), the mask (k, ne) of elements that the edge may cross, and zero tolerances (k,)
+        of the overlap. Neighbours into which the edge continues are added. Overlap and depth are linear on each
+        triangle.
         """
         crossed, known = crossed.copy(), []
         cuts = np.array([divisions(int(count)) for count in crossed.sum(axis=1)])
@@ -135,7 +136,7 @@ class Cells:
             own, elements = np.nonzero(more)
 
     def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
-        """Parts (p,) in contact of elements ``place`` (p,) of the grid, and mask (p, 4) of sides the edge crosses."""
+        """Parts (p,) in contact of elements number ``place`` of the grid; mask (p, 4) of sides that the edge cuts."""
         values = nodal @ grid.shapes[0].T
         if grid.triangles.any():
             of_triangle = grid.triangles[place]
@@ -154,7 +155,7 @@ class Cells:
         over = _of_triangles([corner[at, i, j] for corner in corners])
         deep = _of_triangles([corner[which] for corner in _corners(grid.depth)])
         area = np.where(np.isnan(over).any(axis=-1), 0.0, grid.areas[which])
-        # A triangle with zero overlap at all corners is in contact if an adjacent triangle is in contact.
+        # A triangle with zero overlap at all corners is in contact if an adjacent triangle has a positive overlap.
         touches = (over == 0.0).all(axis=-1)
         if touches.any():
             cells = np.flatnonzero(touches.any(axis=1))
@@ -200,9 +201,9 @@ class Cells:
 
 
 def _corners(values: _Values) -> list[_Values]:
-    """Values (e, d, d) at each of the four corners of all cells, counter-clockwise, from values at vertices.
+    """Values (e, d, d) at each of the four corners of all cells, counter-clockwise.
 
-    ``values`` (e, d + 1, d + 1) are those at the vertices of the grid.
+    ``values`` (e, d + 1, d + 1) are the values at the vertices of the grid.
     """
     return [values[:, :-1, :-1], values[:, :-1, 1:], values[:, 1:, 1:], values[:, 1:, :-1]]
 
@@ -214,7 +215,7 @@ def _of_triangles(corners: list[_Values]) -> _Values:
 
 
 def _beside(pressed: Bools) -> Bools:
-    """Mask (e, d + 1, d + 1) of the vertices of those triangles that have at least one pressed vertex."""
+    """Mask (e, d + 1, d + 1) of all vertices of the triangles that have at least one vertex in the mask ``pressed``."""
     beside = np.zeros_like(pressed)
     a, b, c, d = _corners(pressed)
     first, second = a | b | c, a | c | d
@@ -230,7 +231,7 @@ def edge_of_contact(mesh: Mesh, law: SupportLaw, elements: Ints, deflection: Flo
     values = law.overlap(cut.interpolate(deflection), law.travel(positions))
     values[np.abs(values) <= touching] = 0.0
     pressed = values > 0
-    # Triangles with zero overlap count as in contact if an adjacent triangle has a positive overlap.
+    # A triangle with zero overlap at all corners is in contact if an adjacent triangle has a positive overlap.
     beside = np.zeros_like(pressed)
     beside[cut.triangles[pressed[cut.triangles].any(axis=1)]] = True
     known = cut.triangles[~np.isnan(values[cut.triangles]).any(axis=1)]

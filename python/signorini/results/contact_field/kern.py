@@ -1,4 +1,4 @@
-"""Kern of an area: the resultants for which a plane distribution of pressure has no tension."""
+"""Kern of an area: the positions of a resultant for which a linear distribution of pressure has no tension."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from signorini.discretise.rows import Floats
 class Kern:
     """Centroid x₀ (2,) of an area, and −J⁻¹ (xᵢ − x₀) (h, 2) of the corners xᵢ of its hull, J = ∫ (x−x₀)(x−x₀)ᵀ dA / A.
 
-    A resultant R with eccentricity e has the plane pressure R/A (1 + eᵀJ⁻¹(x − x₀)). It has no tension if
-    max eᵀ(−J⁻¹(xᵢ − x₀)) ≤ 1; for a rectangle, 6 (|ex|/bx + |ey|/by) ≤ 1.
+    A linear pressure with the resultant R at the eccentricity e is R/A (1 + eᵀJ⁻¹(x − x₀)). There is no tension if max
+    eᵀ(−J⁻¹(xᵢ − x₀)) ≤ 1; for a rectangle, if 6 (|ex|/bx + |ey|/by) ≤ 1.
     """
 
     centroid: Floats

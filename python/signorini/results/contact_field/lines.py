@@ -15,7 +15,7 @@ _PASSES = 4
 class Segments:
     """Directed segments: points (k, 2), and pairs (s, 2) of their numbers.
 
-    A pair is the begin and the end of a segment. Consecutive segments have a common point.
+    A pair has the point at which a segment begins and the point at which it ends. Consecutive segments share a point.
     """
 
     points: Floats
@@ -23,7 +23,7 @@ class Segments:
 
 
 def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) -> Segments:
-    """Find the segments along which linear functions on triangles are zero, with the inside on their left.
+    """Find the segments along which a function, linear on each triangle, is zero; ``inside`` is on their left.
 
     The values (v,) at vertices are positive inside, negative outside, or zero. Triangles (t, 3) are counter-clockwise.
     Triangles without a negative value have no segment.
@@ -43,7 +43,7 @@ def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) ->
 
 
 def clipped(segments: Segments, depth: Floats) -> Segments:
-    """Keep the parts of segments in which ``depth`` (k,), linear between the points, is at least zero."""
+    """Keep the parts of segments where ``depth`` is ≥ 0; it is given at the points (k,) and linear between them."""
     pairs, within = segments.pairs, depth >= 0
     whole = within[pairs].all(axis=1)
     cut = within[pairs[:, 0]] != within[pairs[:, 1]]
