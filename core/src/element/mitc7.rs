@@ -88,7 +88,7 @@ fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     })
 }
 
-/// Rows over all dofs that give the eight tied values: six values on the edges, then two means.
+/// Rows over all dofs that give the eight tied values of the covariant shear: six values on the edges, then two means.
 #[inline(always)]
 fn ties<T: Number>(geometry: &Geometry<T>) -> [[T; ALL_DOFS]; NUMBERS] {
     let number = |value: f64| geometry.at[0][0].like(value);
