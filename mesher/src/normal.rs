@@ -7,11 +7,11 @@ use crate::sizes::Refinement;
 use crate::tree::Box2;
 use crate::{Line, MeshOptions};
 
-/// Grid to which coordinates are rounded, relative to the extent of the plate. It is much coarser than rounding errors
-/// in any unit, and finer than the distance of distinct points.
+/// Spacing of the grid to which coordinates are rounded, relative to the extent of the plate. It is much coarser than
+/// rounding errors in any unit, and finer than the distance of distinct points.
 const GRID: f64 = 1.0 / (1u64 << 40) as f64;
-/// Grid to which positions of refinements are rounded, relative to the extent. It is coarser than `GRID`, because these
-/// positions come from distances with fewer digits.
+/// Spacing of the grid to which positions of refinements are rounded, relative to the extent. It is coarser than
+/// `GRID`, because these positions are computed from distances and have larger rounding errors.
 const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
 
 pub struct Normal {
@@ -27,7 +27,7 @@ pub struct Given {
     pub curve: Curve,
     /// Number of the side in the list of all sides that have the plate on their left.
     pub number: usize,
-    /// Number of the loop, and number of the side in this loop.
+    /// Number of the loop in the input, and number of the side in this loop.
     pub of: [usize; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Sizes that elements shall have: from the given size, refinements, short sides, arcs and narrow parts of the plate.
+//! Local element sizes, from the given size, refinements, short sides, arcs and narrow parts of the plate.
 
 use crate::geometry::{Point, between, cross, distance, sub};
 use crate::outline::Outline;
@@ -6,7 +6,7 @@ use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::TAU;
 
 /// A refinement: elements along the straight line from `from` to `to` have at most the size `size`. If both points are
-/// equal, it applies at this point.
+/// equal, the refinement is at this point.
 #[derive(Clone, Copy, Debug)]
 pub struct Refinement {
     pub from: Point,
@@ -72,7 +72,7 @@ impl Sizes {
         sum
     }
 
-    /// Whether elements must be smaller than the largest size anywhere in the plate.
+    /// Whether elements must be smaller than the largest size somewhere in the plate.
     pub fn is_graded(&self) -> bool {
         !self.finer.segments.is_empty()
     }

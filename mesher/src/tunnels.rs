@@ -19,7 +19,7 @@ const LONG: f64 = 2.1;
 /// search visits (`LOOKS`).
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
-/// Cost of each step of a search, in addition to the cost of the shape of its new element.
+/// Cost of moving the triangle by one quadrilateral, in addition to the cost of the shape of the new quadrilateral.
 const STEP: f64 = 0.05;
 
 /// Replaces pairs of triangles, and the quadrilaterals between the two, by quadrilaterals only.
@@ -70,8 +70,8 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     });
 }
 
-/// Element sides along pieces, in both directions. A side along an arc has the unit tangent of the arc at its first
-/// node.
+/// Element sides along the outline and along lines, in both directions. A side along an arc has the unit tangent of the
+/// arc at its first node.
 pub struct Chords(HashMap<[usize; 2], Option<Point>>);
 
 impl Chords {
@@ -197,8 +197,8 @@ impl Search<'_> {
         let (_, mut at, end, mut made) = best?;
         let mut changed = Vec::new();
         while at != NONE {
-            // The last new quadrilateral replaces the element into which the last step moved. The steps before follow,
-            // back to `start`.
+            // The new quadrilateral of each step replaces the element into which the triangle moved in this step. The
+            // last step comes first here, and `start` last.
             changed.push((stops[at].into, made));
             made = stops[at].behind;
             at = stops[at].before;
