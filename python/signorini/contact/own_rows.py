@@ -23,7 +23,7 @@ _REPEATED = 1e-10
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
-    """The paper's problem over the model's contact points, followed by additional rows of G; see `with_rows`.
+    """The contact problem of a model with additional rows of G after those of its contact points; see `with_rows`.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class RowProblem(Brief):
 
     @cached_property
     def G(self) -> csr_array:
-        """Rows (m + r, 3n) of the model's contact points, followed by the additional rows; Gu ≤ gaps."""
+        """Rows G (m + r, 3n) of the model's contact points, followed by the additional rows, with Gu ≤ gaps."""
         return csr_array(vstack([self.problem.G, self.rows]))
 
     @property
@@ -177,7 +177,7 @@ def with_rows(
     count, size = result.shape[0], problem.discretisation.dof_count
     if not all(law.only_pushes or law.straight for law, _ in problem.discretisation.contacts.by_law):
         raise InputError(
-            "found supports with a limit or a law; additional rows need supports without them.",
+            "found supports with a limit or a law; additional rows need a model without such supports.",
             place="problem",
         )
     if result.shape[1] != size:

@@ -29,7 +29,7 @@ from signorini.discretise.rows import Bools, Floats, Pieces, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _AGAINST_EACH_OTHER = 1e6
-"""Largest ratio of the solver's largest reaction to the least-norm one at which the solver's answer is a fallback.
+"""The solver's answer is no fallback if its largest reaction exceeds that of the least-norm answer by this factor.
 
 Ten of sixteen digits remain in the sum of such reactions.
 """
@@ -49,9 +49,9 @@ Points on one line leave the rotation about this line free.
 _MOVED = 1e-9
 """Smallest magnitude at which a component of a unit vector counts as nonzero."""
 _DOUBTFUL = 1e-9
-"""Zero tolerance of `doubtful`, wider than `_NIL`.
+"""Zero tolerance for combinations that may have several solutions, wider than `_NIL`.
 
-A combination that is wrongly marked as doubtful is only solved separately.
+A combination that is marked without need is only solved separately.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
@@ -188,7 +188,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # If every point is closed, gaps are rounding; the reference is the bending by the reactions.
+        # If every point is closed, gaps are rounding errors; the reference is then the bending that reactions cause.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
@@ -198,7 +198,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
-        # The eigenvalues are squares of displacements; hence the higher power of the tolerance.
+        # The eigenvalues are squares of displacements, which need a higher power of the tolerance.
         several |= values[:, 0] <= _DOUBTFUL**1.5 * values[:, -1]
     return several
 
@@ -339,8 +339,7 @@ def _with_least_deflection(
         unit = float(np.abs(deflection).max()) or 1.0
         part = least(moves, root * deflection / unit, sides, room / unit)
         hi, lo = discretisation.moved(hi, lo, unit * (motions @ part) / discretisation.sizes)
-        # If the solver left a free plate far from its supports, rounding of the motion also moves pushing points: move
-        # them back.
+        # After a large motion of a free plate, rounding has also moved the points that push; they are moved back.
         travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing], rcond=None)[0]
         hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
@@ -428,13 +427,13 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
         multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
     except RuntimeError:
         return np.zeros(len(r))
-    # Active constraints are solved again as equations, to full accuracy. The multiplier of an active constraint may be
-    # within rounding of 0; such a constraint is added when it is violated.
+    # Active constraints are solved again as equations, to full accuracy.
+    # The multiplier of an active constraint may be rounded to 0; such a constraint is added when it is violated.
     on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
     for _ in kept:
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # y is computed from the unconstrained minimum, and has its rounding.
+        # y is computed from the unconstrained minimum, so it has at least the rounding error of this minimum.
         rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():
