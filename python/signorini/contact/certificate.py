@@ -41,7 +41,7 @@ UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 An error of 4ε times the size is then `TOLERANCE` relative to the reference size, and passes.
 """
 _CANCELLED = CANCELLED / TOLERANCE
-"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel; their sum has an error of `CANCELLED` times their size."""
+"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel: rounding of their sum is `CANCELLED` times their size."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 """Names of the errors of a certificate, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
@@ -110,7 +110,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether all errors are within the tolerance or their limits, ``rounding`` and ``lost`` within `CERTIFIABLE`."""
+        """Whether errors are within the tolerance or their limits, ``rounding`` and ``lost`` within `CERTIFIABLE`."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
