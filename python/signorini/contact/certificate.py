@@ -41,7 +41,7 @@ UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 An error of 4ε times the size is then `TOLERANCE` relative to the reference size, and passes.
 """
 _CANCELLED = CANCELLED / TOLERANCE
-"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel: rounding of their sum is `CANCELLED` times their size."""
+"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel: their sum is rounded by `CANCELLED` times their size."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 """Names of the errors of a certificate, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")

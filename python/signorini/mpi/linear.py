@@ -71,7 +71,7 @@ class Equations:
         self._matrix.assemble()
 
     def factor(self) -> None:
-        """Factor the matrix; the caller should have released the arrays from which it was filled."""
+        """Factor the matrix; the caller should have released the arrays that filled it."""
         code = self._factored()
         while code in _WORKSPACE_SHORT and self._workspace < _MOST_WORKSPACE:
             self._workspace *= 4
