@@ -342,7 +342,7 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // Consecutive columns of a node are in one block of the graph; one row of the block is enough.
+                    // The graph needs one row of each block; consecutive columns of a node are in one block.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }

@@ -57,7 +57,7 @@ impl Displacement {
             add(self, 3 * node, DoubleDouble::from(w) + along(sx, 0) + along(sy, 1));
             let slopes = match plate.frame(node) {
                 Some([c, s]) => {
-                    // Transforms slopes in x and y to the frame (c, s) of the node. The subtraction of `excess`
+                    // Transforms slopes in x and y to the frame (c, s) of the node. The second term of `turned`
                     // corrects for c² + s², which is 1 except for rounding.
                     let square = DoubleDouble::from(c).times(c) + DoubleDouble::from(s).times(s);
                     let excess = (square - DoubleDouble::from(1.0)).value();

@@ -11,7 +11,7 @@ pub type Lanes = [f64; TILE];
 /// A formula for values at a node from moments m or shears q, and thickness h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Formula {
-    /// The single input itself, unchanged.
+    /// The value of the single input itself.
     Sum,
     /// Principal moments m1 ≥ m2.
     Principal,

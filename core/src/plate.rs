@@ -198,7 +198,7 @@ impl Plate {
     /// Sets the stress nodes, which separate moments and shears where these jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // There are at most as many stress nodes as nodes of all elements. This is checked before memory is allocated.
+        // There are at most eight stress nodes for each element. This is checked before memory is allocated.
         if nodes.count > 8 * self.elements.len() {
             return Err(PlateError::Range { what: "stress nodes", index: 0 });
         }
@@ -248,7 +248,7 @@ impl Plate {
         self.rigid.get(e) == Some(&true)
     }
 
-    /// Whether some node of element e follows another node.
+    /// Whether some node of element e follows a leader as part of a rigid body.
     pub fn has_followers(&self, e: usize) -> bool {
         self.leading(e) != &self.elements[e]
     }

@@ -1,6 +1,6 @@
 //! Linear combinations of many vectors, and extremes of these sums and of fields computed from them.
 //!
-//! Each sum adds the vectors in their order, so that it is the same to the last bit with any other sums beside it.
+//! Each sum adds the vectors in their order, so that it is the same to the last bit with and without other sums.
 
 use crate::fields::{Formula, Lanes, TILE};
 use pulp::{Arch, Simd, WithSimd};

@@ -190,8 +190,8 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
-/// Meshes with fewer elements keep their triangles. Merging would replace these by longer quadrilaterals, which are
-/// less accurate.
+/// Meshes with fewer elements keep their triangles. Merging pairs of triangles would give longer quadrilaterals, which
+/// are less accurate.
 const FEW: usize = 28;
 /// Smallest quality (sine of a corner angle), before smoothing, of elements that result from merging triangles.
 /// `CAUTIOUS` applies to meshes of more than `MANY` elements, which are not made again without merging if an angle is
@@ -234,7 +234,7 @@ impl Task<'_> {
     /// Returns the points at which elements must be smaller, if no mesh can be made.
     fn best(&self, slant: Option<f64>) -> Result<Quadratic, Vec<Point>> {
         // The lattice with the angle `slant` is tried first, since it may fit the plate without triangles. If it does
-        // not, this style is compared with the other styles.
+        // not, its mesh is compared with those of the other styles.
         let mut slanted = slant.and_then(|angle| self.drafted(Style::Skew(angle)).ok());
         let whole = slanted.take_if(|draft| draft.elements.iter().all(|corners| corners[3] != NONE));
         let mut fitting = whole.and_then(|draft| self.made(draft).ok());

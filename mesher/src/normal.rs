@@ -25,7 +25,7 @@ pub struct Normal {
 /// A side of the outline in original coordinates.
 pub struct Given {
     pub curve: Curve,
-    /// Number of the side in the list of all sides that have the plate on their left.
+    /// Number of the side in the list of all sides, which are directed with the plate on their left.
     pub number: usize,
     /// Number of the loop in the input, and number of the side in this loop.
     pub of: [usize; 2],
@@ -69,7 +69,7 @@ impl Normal {
     }
 
     pub fn size(&self, size: f64) -> f64 {
-        // The size is rounded to the upper 30 of its 53 bits (Dekker 1971).
+        // The element size is rounded to the upper 30 of its 53 bits (Dekker 1971), so that it is the same in any unit.
         let size = size / self.extent;
         let wide = f64::from((1 << 23) + 1) * size;
         wide - (wide - size)

@@ -152,7 +152,7 @@ impl<'a> Planar<'a> {
             let met = line.crossings(&track.curve);
             stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
-        // Stops at equal points are merged into one, which keeps their vertex if one of them has a vertex.
+        // Stops at equal points are merged into one stop, which keeps their vertex if one of them has a vertex.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
         let mut merged: Vec<Stop> = Vec::new();
         for stop in stops {
@@ -242,7 +242,8 @@ impl<'a> Planar<'a> {
                 return false;
             }
         }
-        // A straight line is nearest to another at one of its ends, so only arcs are sampled in between.
+        // Two straight lines that do not cross are nearest at an end of one of them, so only arcs are sampled in
+        // between.
         let stations = if part.is_straight() { 0 } else { (4.0 * part.length() / near(part.at(0.5))).ceil() as usize };
         let apart = self.vertices.iter().all(|&v| {
             let off = distance(v, part.at(part.nearest(v)));
@@ -260,7 +261,8 @@ impl<'a> Planar<'a> {
                         }
                         let direction = track.curve.direction(t);
                         let steep = cross(direction, onward).abs() >= SLANT;
-                        // `SLANT` does not apply to a line or side that the new line continues beyond the end.
+                        // The smallest angle does not apply to a line or side that the new line continues beyond the
+                        // end.
                         let length = track.curve.length();
                         steep
                             || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)

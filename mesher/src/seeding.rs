@@ -28,7 +28,8 @@ pub struct Chord {
     pub span: [f64; 2],
 }
 
-/// Largest side relative to the element size. A longer side is halved, since its halves are nearer to the element size.
+/// Largest element side relative to the element size. A longer side is halved, since its halves are nearer to this
+/// size.
 const LONG: f64 = 1.42;
 
 /// The way in which nodes are placed inside the plate.
@@ -140,7 +141,7 @@ impl Grid {
         let mut grid = Grid { lines: [Vec::new(), Vec::new()], second, level: 1e-9 * outline.bounds.extent() };
         let bounds = Box2::around(outline.chords.segments.iter().map(|s| grid.flat(s.a)));
         grid.lines = [0, 1].map(|axis| {
-            // For this axis, the coordinates of straight pieces along the other axis, with the lengths of these pieces.
+            // Straight pieces along the other axis, as pairs of their coordinate along this axis and their length.
             let mut lines: Vec<(f64, f64)> = vec![(bounds.low[axis], 0.0), (bounds.high[axis], 0.0)];
             for piece in pieces.iter().filter(|piece| grid.axis_along(&piece.curve) == Some(1 - axis)) {
                 let length = piece.curve.length() * (piece.span[1] - piece.span[0]);

@@ -35,7 +35,7 @@ impl Triangles {
     ///
     /// # Errors
     ///
-    /// If chords of two arcs cross although the arcs do not: the points at which they cross.
+    /// Returns the points at which chords of two arcs cross although the arcs do not.
     pub fn new(
         seeds: &mut Seeds,
         sizes: &Sizes,
@@ -62,7 +62,7 @@ impl Triangles {
             let centre = circumcentre(a, b, c);
             let radius = distance(centre, a);
             let shortest = distance(a, b).min(distance(b, c)).min(distance(c, a));
-            // If all elements may have the size `largest`, small triangles of good shape need no further check.
+            // If all elements may have the size `largest`, small triangles of good shape are not refined.
             if !(radius > 0.6 * sizes.largest || radius > THIN * shortest || sizes.is_graded()) {
                 continue;
             }

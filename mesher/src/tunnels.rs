@@ -25,8 +25,8 @@ const STEP: f64 = 0.05;
 /// Replaces pairs of triangles, and the quadrilaterals between the two, by quadrilaterals only.
 ///
 /// A triangle and an adjacent quadrilateral form a pentagon. It can be divided again with the triangle at another
-/// corner; in this way the triangle moves towards another triangle. Chords of pieces are kept. Before smoothing, all
-/// new quadrilaterals have at least the quality `least`.
+/// corner; in this way the triangle moves towards another triangle. Chords of the outline and of lines are kept. Before
+/// smoothing, all new quadrilaterals have at least the quality `least`.
 pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, sizes: &Sizes, least: f64) {
     let mut open: Vec<usize> = (0..elements.len()).filter(|&e| count(&elements[e]) == 3).collect();
     if open.len() < 2 {
@@ -161,7 +161,8 @@ impl Search<'_> {
                 let other = self.elements[n];
                 let m = count(&other);
                 let first = (0..m).find(|&k| other[k] == q).expect("the side is the element's");
-                // Corners of the polygon that both elements form, beginning with the apex of the triangle.
+                // Corners of the polygon that the triangle and its neighbour form, beginning with the apex of the
+                // triangle.
                 let mut ring = vec![apex, p];
                 ring.extend((2..m).map(|k| other[(first + k) % m]));
                 ring.push(q);
@@ -228,7 +229,7 @@ impl Search<'_> {
         distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
     }
 
-    /// Whether the path of the search to the stop `at` has passed through `element`.
+    /// Whether the path of the search to the state `at` has passed through `element`.
     fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
         while at != NONE {
             if stops[at].into == element {

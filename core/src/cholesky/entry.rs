@@ -86,8 +86,8 @@ struct Run<'a, E, K> {
     kernel: PhantomData<K>,
 }
 
-/// An inner loop over `count` columns, in which N registers hold eight numbers. A constant `count` gives a loop of its
-/// own.
+/// An inner loop over `count` columns, in which N registers hold eight numbers. A constant `count` is compiled
+/// separately.
 trait Kernel<E> {
     fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
 }

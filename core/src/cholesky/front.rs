@@ -21,8 +21,8 @@ pub(super) const TILE: usize = 128;
 const ROWS: usize = 256;
 /// Number of columns of L in one matrix product of an update.
 const DEPTH: usize = 256;
-/// Smallest number of rows below a tile for which the tile's rows of L are copied to contiguous memory. Without the
-/// copy, neighbours in a row are pages apart, and the product reads each row many times.
+/// Smallest number of rows below a tile of columns for which the tile's rows of L are copied to contiguous memory.
+/// Without the copy, neighbours in a row are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
 /// Allocates the workspace of the dense elimination; `None` if there is not enough memory.

@@ -116,7 +116,7 @@ impl Factor {
     /// Overwrites each vector v in `rhs` with S L⁻¹ v; S = 1 if all pivots are positive. `rhs` has one vector, or
     /// several one after the other. [`backward`](Self::backward) then gives A⁻¹ v.
     ///
-    /// A result is the same to the last bit with any other vectors beside it.
+    /// Each result is the same to the last bit with and without other vectors.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_forward(lanes));
@@ -134,8 +134,8 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites each vector v in `rhs` with A⁻¹ v; the vectors are one after the other. A result is the same to the
-    /// last bit for any number of other vectors.
+    /// Overwrites each vector v in `rhs` with A⁻¹ v; the vectors are one after the other. Each result is the same to
+    /// the last bit for any number of other vectors.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
             self.run_forward(lanes);

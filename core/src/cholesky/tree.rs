@@ -142,7 +142,7 @@ impl Groups {
                 }
             }
         }
-        // A group has a higher number than the groups merged into it, so this order replaces its own target first.
+        // Groups are merged into groups of higher numbers, whose final targets are found first in this order.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }

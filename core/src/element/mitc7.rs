@@ -163,7 +163,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
             }
         }
     }
-    // The unused diagonal entries are set to a positive value, so that the form has an inverse.
+    // The unused diagonal entries of the shear form are set to a positive value, so that the form has an inverse.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
     let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));

@@ -108,7 +108,7 @@ pub fn shear_springs(
         alone[t][s] + turned.sum::<f64>()
     });
     let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
-    // Eigenvalues of C below this value are rounding errors of the condensed centre rotations.
+    // Eigenvalues of the shear compliance C below this value are rounding errors of the condensed centre rotations.
     let least = f64::EPSILON * eigen.S()[SHEARS - 1];
     let row =
         |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
@@ -144,7 +144,7 @@ fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
         }
         (0..SHEARS).for_each(|i| out[i][column] = x[i] * unit[i] * unit[column]);
     }
-    // The result is made symmetric to the last bit.
+    // The inverse is made symmetric to the last bit.
     std::array::from_fn(|i| std::array::from_fn(|j| out[i.max(j)][i.min(j)]))
 }
 

@@ -182,7 +182,7 @@ class _Answers:
     imbalance: Floats
 
     def penetration(self) -> Floats:
-        """Largest (Gu − Cλ − g)₊ at contact points and |u − ū| at held dofs, relative to deflection or slope."""
+        """Largest (Gu − Cλ − g)₊ at contact points and |u − ū| at held dofs, relative to the reference for each."""
         held = self.discretisation.held
         slip = np.where(held.dofs, self.hi + self.lo - held.values, 0.0).reshape(len(self.hi), -1, 3)
         return maximum(
@@ -368,7 +368,7 @@ class _Answers:
 
     @cached_property
     def reaction_size(self) -> Floats:
-        """Reference reaction (k,): the largest reaction, or `force_size` if larger."""
+        """Reference reaction (k,): the largest reaction, or the reference nodal force if larger."""
         return maximum(self.force_size, self._largest_reaction)
 
     @cached_property
@@ -406,7 +406,7 @@ class _Answers:
 
     @cached_property
     def _units(self) -> Floats:
-        """Reference reaction (k, m): `reaction_size`, 1 if that is 0; for couples times the plate size."""
+        """Reference reaction (k, m) of each point: `reaction_size`, or 1 if this is 0; for couples times plate size."""
         size = self.reaction_size
         unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
         return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])

@@ -32,10 +32,10 @@ _FEW = 300
 """Largest number of elastic contact points for which Lemke's algorithm is faster than the active set."""
 
 _FEW_IN_AREAS = 500
-"""Largest number of contact points of areas, elastic or rigid, for which Lemke's algorithm is faster."""
+"""Largest number of contact points of area supports, elastic or rigid, for which Lemke's algorithm is faster."""
 
 _FEW_RIGID = 3000
-"""Largest total number of contact points for which Lemke's algorithm is faster; most are rigid, along lines."""
+"""Largest total number of contact points for which Lemke's algorithm is faster; most are rigid points on lines."""
 
 _CARRIED = 100.0
 """Stiffness added to the factor at contact points that restrain the plate, relative to D/a².

@@ -181,19 +181,21 @@ def with_rows(
             place="problem",
         )
     if result.shape[1] != size:
-        raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")
+        raise InputError(
+            f"found an array of shape {result.shape}; it must have {size} columns, one for each dof.", place="G"
+        )
     bounds = _per_row(gaps, count, "gaps")
     compliance = np.zeros(count) if flexibility is None else _per_row(flexibility, count, "flexibility")
     equations = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
     if equations.shape != (count,) or equations.dtype != np.bool_:
         raise InputError(
-            f"found an array of {equations.dtype}, shape {equations.shape}; it must be {count} of bool, one a row.",
+            f"found an array of {equations.dtype}, shape {equations.shape}; it must have {count} bools, one for a row.",
             "two_sided",
         )
     if not np.isfinite(result.data).all():
-        raise InputError("found numbers that are not finite; all must be.", place="G")
+        raise InputError("found numbers that are not finite; all numbers must be finite.", place="G")
     if (compliance < 0).any():
-        raise InputError(f"found {compliance.min():g}; all must be 0 or more.", place="flexibility")
+        raise InputError(f"found {compliance.min():g}; all numbers must be 0 or more.", place="flexibility")
     without_effect = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (compliance == 0)
     if without_effect.any():
         raise InputError(
@@ -207,5 +209,5 @@ def with_rows(
 def _per_row(value: ArrayLike, count: int, place: str) -> Floats:
     result = array(value, place, 1)
     if len(result) != count or not np.isfinite(result).all():
-        raise InputError(f"found {len(result)} numbers; they must be {count}, one a row, and finite.", place=place)
+        raise InputError(f"found {len(result)} numbers; the rows need {count} finite numbers.", place=place)
     return result

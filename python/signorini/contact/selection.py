@@ -36,7 +36,7 @@ Ten of sixteen digits remain in the sum of such reactions.
 _ACTIVE = 1e-10
 """Zero tolerance for multipliers of inequalities, relative to the largest multiplier."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
-"""Rounding of each C_i·y of the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
+"""Rounding of each C_i·y at the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
 _NIL = 1e-11
 """Zero tolerance for forces and deflections, relative to the largest force or deflection."""
 _HARDLY = 1e-6
@@ -304,7 +304,7 @@ def _with_least_deflection(
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            # At the start of a path, at zero load, all reactions are rounding.
+            # At the start of a load path, where the load is zero, all reactions are rounding errors.
             pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:

@@ -207,11 +207,11 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
         why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
-    # If another error failed too, the message gives the reason of that error.
+    # The lost load is given as the reason only if all other errors of the certificate pass.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
-            "the other loads are lost in its rounding. Correct it, or give it a combination of its own."
+            "the other loads are lost in its rounding. Correct this load, or give it a combination of its own."
         ]
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'

@@ -110,13 +110,13 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
 
 
 Cap = tuple[float, float, float]
-"""Start and end of an interval, and the largest element size in it."""
+"""Limit of the element size: start and end of an interval, and the largest element size in it."""
 
 STEEPEST = 1.3
 """Largest ratio of neighbouring element sizes in a graded division."""
 
 _SHORTEST = 0.5
-"""Smallest distance between two lines, relative to the element size there; a closer line is skipped."""
+"""Smallest distance between two lines with joints, relative to the element size there; a closer line is skipped."""
 _SAMPLES = 4000
 """Number of points of the numerical integral of 1/(element size) between two lines."""
 _ROUNDS = 50
@@ -155,7 +155,7 @@ def graded(
 def _kept(
     start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
 ) -> list[float]:
-    """Ends of the interval and the lines between, at least half an element apart; earlier groups have priority."""
+    """Ends of the interval and lines inside it at least half an element apart; earlier groups have priority."""
     knots = [start, stop]
     for line in (line for group in groups for line in sorted(group)):
         least = _SHORTEST * float(_size(np.array([line]), size, caps)[0])

@@ -217,7 +217,7 @@ def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
 
 
 def _core_outline(rows: Ints, quarters: int) -> Ints:
-    """Node numbers of the core's outline, counter-clockwise from the lower right corner; of a sector to edge end."""
+    """Node numbers of the core's outline, counter-clockwise from the lower right corner; in a sector to its end."""
     walk = [rows[:, -1], rows[-1, -2::-1]]
     if quarters > 1:
         walk.append(rows[-2::-1, 0])

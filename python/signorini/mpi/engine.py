@@ -135,7 +135,7 @@ def _result(
     least = chosen(discretisation, freedom, load.nodal, answer)
     certificate = Certificate(**found[0]["errors"])
     if least is not answer or not certificate.passed or not (load.all_weighs or not load.weighing.any()):
-        # Rank 0 certifies another answer itself, and errors that must be compared with their rounding.
+        # Rank 0 certifies again if it chose another answer, or if errors must be compared with their rounding.
         least, certificate = certified(discretisation, load, least)
     if not certificate.passed:
         why = refusal(combination.name, discretisation, load, least, certificate)
@@ -148,7 +148,7 @@ def _posed(
 ) -> tuple[Iterator[tuple[Part, Steps | None]], Ints, str]:
     """Arguments of the ranks' jobs, the order of nodes, and the reason why no reactions balance the load, or "".
 
-    The arguments release the discretisation when they are sent, so that rank 0 has its memory for the factor.
+    The discretisation is released when the arguments are sent, so that rank 0 has its memory for the factor.
     """
     discretisation = _discretised(ranks, model, show, seconds)
     require_checks(discretisation)

@@ -84,7 +84,7 @@ class Equations:
             raise SignoriniError(f"The stiffness matrix cannot be factored: error {code} of MUMPS.")
 
     def _factored(self) -> int:
-        """Factor the matrix, ordered before the first time; return INFOG(1) of MUMPS, negative after an error."""
+        """Factor the matrix, the first time after ordering it; return INFOG(1) of MUMPS, negative after an error."""
         if self._solver.getType() != "cholesky":
             self._solver.setOperators(self._matrix)
             self._solver.setType("cholesky")

@@ -34,9 +34,9 @@ _FLAT = 1e-3
 _SEARCHES = 60
 """Largest number of evaluations of the slope in a line search."""
 _FREE = 1e-9
-"""Closed points restrain the plate if the least eigenvalue of their RᵀGᵀGR exceeds this part of that of all points."""
+"""Contact sets with a least eigenvalue of RᵀGᵀGR above this part of the largest for all points restrain the plate."""
 _SOFT = 1e-3
-"""Stiffness of open points, relative to closed ones, in the matrix of a set that does not restrain the plate."""
+"""Stiffness of open points, relative to closed points, if the contact set does not restrain the plate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class Problem:
         return -self.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
 
     def times(self, u: Floats) -> Floats:
-        """Product K u (3n,), with K of plate and springs."""
+        """Product K u (3n,) at displacements u, with K of plate and springs."""
         return -self.plate.residual(self._at_rest, np.zeros_like(u), u, np.zeros_like(u))
 
     def supports(self, stiffness: Floats) -> csr_array:

@@ -12,7 +12,7 @@ from typing import Any
 from signorini.errors import SignoriniError
 
 _WAIT = 0.005
-"""Seconds between two looks for the next job. MPI itself waits at full load, which would slow rank 0 down."""
+"""Seconds between two checks for the next job. MPI itself waits at full load, which would slow rank 0 down."""
 Job = Callable[[Any, Any], Any]
 """Function of communicator and argument, called on every rank with the rank's argument."""
 
