@@ -124,7 +124,7 @@ fn triangulate(
         [high[0], high[1], 1.0, 1.0],
         [low[0], high[1], -1.0, 1.0],
     ];
-    // The library spade refuses coordinates that are smaller than this but not zero.
+    // The library spade refuses coordinates that are very small but not zero.
     let flush = |x: f64| if x.abs() < 1e-40 { 0.0 } else { x };
     let vertices: Vec<Point2<f64>> = points
         .iter()

@@ -15,7 +15,7 @@ pub(super) struct Tree {
     /// First child of each supernode (`head`), and the next child of the same parent (`next`).
     head: Vec<u32>,
     next: Vec<u32>,
-    /// For each supernode, the index in `below` at which its rows below its columns begin.
+    /// For each supernode, the index in `below` at which the rows below its columns begin.
     start: Vec<usize>,
     /// Postorder indices of the rows below each supernode's columns, ascending; one supernode after the other.
     below: Vec<u32>,

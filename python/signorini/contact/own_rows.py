@@ -199,7 +199,8 @@ def with_rows(
     without_effect = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (compliance == 0)
     if without_effect.any():
         raise InputError(
-            f"row {int(np.argmax(without_effect))} acts on held dofs alone, which cannot move. Leave it out.", place="G"
+            f"row {int(np.argmax(without_effect))} acts on held dofs alone, which cannot move. Leave this row out.",
+            place="G",
         )
     rows = RowProblem(problem, result, bounds, compliance, equations)
     problem.free(np.zeros(size))

@@ -51,7 +51,7 @@ _MOVED = 1e-9
 _DOUBTFUL = 1e-9
 """Zero tolerance for combinations that may have several solutions, wider than `_NIL`.
 
-A combination that is marked without need is only solved separately.
+A combination that is marked without need is solved separately, which only takes longer.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
