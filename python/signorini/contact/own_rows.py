@@ -210,5 +210,5 @@ def with_rows(
 def _per_row(value: ArrayLike, count: int, place: str) -> Floats:
     result = array(value, place, 1)
     if len(result) != count or not np.isfinite(result).all():
-        raise InputError(f"found {len(result)} numbers; the rows need {count} finite numbers.", place=place)
+        raise InputError(f"found {len(result)} numbers; they must be {count} finite numbers.", place=place)
     return result
