@@ -203,12 +203,12 @@ class _Answers:
         return largest_magnitudes(np.max(off, axis=0))
 
     def equilibrium(self) -> Floats:
-        """Largest |F − Ku − Gᵀλ| at free dofs, relative to `force_size`."""
+        """Largest |F − Ku − Gᵀλ| at free dofs, relative to the reference nodal force `force_size`."""
         residual = np.where(self.discretisation.held.dofs, 0.0, self.imbalance - self.pushes)
         return ratio(by_force(residual, self.element_size), self.force_size)
 
     def balance(self) -> Floats:
-        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to `resultant_size`."""
+        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to the reference resultant."""
         return ratio(self._resultants[0], self.resultant_size)
 
     def lost(self, row: int) -> float:

@@ -126,7 +126,7 @@ def core_problem(
     except RuntimeError as error:
         if discretisation.zones.element == "q8r":
             raise InputError(
-                "Elements of q8r bend in some shapes without resistance, and here the supports do not prevent this. "
+                "The element q8r bends in some shapes without resistance, and here the supports do not prevent this. "
                 'Take element = "mitc9" or a finer mesh.',
                 place=("plate", "element"),
             ) from None

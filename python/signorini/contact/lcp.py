@@ -189,7 +189,8 @@ def lemke(
     start_basis = None if start is None else np.asarray(start)
     if start_basis is not None and (start_basis.dtype != np.bool_ or start_basis.ndim != 1):
         raise InputError(
-            f"found an array of {start_basis.dtype}, shape {start_basis.shape}; it must be a mask of bool, like basis.",
+            f"found an array of {start_basis.dtype}, shape {start_basis.shape}; it must be a vector of bool, like "
+            "LcpSolution.basis.",
             place="start",
         )
     try:
