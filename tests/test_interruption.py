@@ -243,7 +243,7 @@ def test_contact_points_that_cannot_fit_are_refused(slab: Path, monkeypatch: pyt
     assert "slab.toml:7: support: The problem of 1,760 contact points that need condensing takes about 0.6 GB" in (
         done.stderr
     )
-    assert 'enough for about 1,000. Leave solver.method at "auto", which condenses fewer.' in done.stderr
+    assert 'enough for about 1,000. Leave solver.method at "auto", which condenses fewer points.' in done.stderr
 
 
 def test_threads_are_bounded_those_of_numpy_too(slab: Path) -> None:

@@ -229,7 +229,7 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points,
             [("triangle", CORNERS[:, :3])],
-            "not 8- or 9-node quadrilaterals or 6-node triangles: 8 triangle. Use only these",
+            "not 8- or 9-node quadrilaterals or 6-node triangles: 8 triangle. Use only second-order elements",
         ),
         (PLATE.points, [("quad", CORNERS)], "8 quad. .*ElementOrder = 2"),
         (PLATE.points, [("quad8", PLATE.elements), ("triangle", CORNERS[:2, :3])], "6-node triangles: 2 triangle"),

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Value in [`Numbering::column`] for a held dof or a dof of a follower, which has no column.
+/// Value in [`Numbering::column`] of a dof without a column: a held dof, or a dof of a node that follows a leader.
 pub const HELD: usize = usize::MAX;
 
 /// The order of elimination: the column of the factor for each free dof and for each multiplier row.
@@ -23,7 +23,7 @@ pub struct Numbering {
 }
 
 /// A multiplier row g: the force r on the row is an unknown with the equation g·u − compliance · r = 0. A spring on
-/// many dofs couples all of them; its multiplier row causes less fill. A rigid row has compliance 0.
+/// many dofs would couple all of them in K; as a multiplier row it causes less fill. A rigid row has compliance 0.
 #[derive(Clone, Debug, Default)]
 pub struct MultiplierRow {
     /// Each node of the row, with the coefficients of its three dofs; each node appears once.
@@ -58,10 +58,10 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// As [`Numbering::new`], with multiplier rows. The column of a multiplier row precedes the columns of the last
-    /// node of the row. If the row connects several plates, the last node of each plate is considered, and the earliest
-    /// of these counts. Columns before the row keep positive pivots, since that node is not yet eliminated and acts as
-    /// fixed.
+    /// As [`Numbering::new`], with multiplier rows. A multiplier row has its column before the columns of that node of
+    /// the row which is eliminated last. If the row connects several plates, each plate has such a last node, and the
+    /// earliest of these counts. Columns before the row keep positive pivots, since that node is not yet eliminated and
+    /// acts as fixed.
     pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],
@@ -186,7 +186,7 @@ pub struct Assembly<'a> {
     bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
-    /// For each node, its positions in elements of pairs. Here element index 2p + i is element i of pair p.
+    /// For each node, the elements of `bedding.pairs` that contain it: (2p + i, local node) for element i of pair p.
     paired: Incidence,
     multiplier_rows: &'a [MultiplierRow],
     /// For each node, the multiplier rows that contain it: (multiplier row, position of the node in this row).
@@ -261,7 +261,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Multiplies the diagonal entries of K at dofs by 1 + `part`.
+    /// Multiplies the diagonal entries of K, without those of multiplier rows, by 1 + `part`.
     pub fn diagonal_shift(self, part: f64) -> Self {
         Self { diagonal_shift: part, ..self }
     }
@@ -342,7 +342,7 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // Consecutive columns of a node are in one block; only the first of them is added.
+                    // The graph needs one row of each block; consecutive columns of a node are in one block.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }
@@ -428,7 +428,7 @@ impl<'a> NodeColumns<'a> {
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.leading(e).iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
-                // The packed lower triangle has contiguous rows.
+                // Rows of the packed lower triangle are contiguous, so three neighbouring entries are read at once.
                 let mut own = match i.cmp(&local) {
                     Ordering::Greater => {
                         std::array::from_fn(|a| *lower[packed(3 * i + a, 3 * local)..].first_chunk().expect("three"))
@@ -489,8 +489,9 @@ impl<'a> NodeColumns<'a> {
     }
 }
 
-/// Replaces `block`, the 3×3 block of two nodes, by B_rowᵀ · block · B_column, where B maps the motion of a leader to
-/// that of its follower. `row` and `column` are the positions of the two nodes relative to their leaders.
+/// Replaces `block`, the 3×3 block of K for a row node and a column node, by B_rowᵀ · block · B_column. B maps the
+/// motion of a leader to that of its follower; `row` and `column` are the positions of the two nodes relative to their
+/// leaders.
 fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     for k in 0..2 {
         (0..3).for_each(|b| block[1 + k][b] += row[k] * block[0][b]);
@@ -500,7 +501,8 @@ fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     }
 }
 
-/// Replaces `block` by T_rowᵀ · block · T_column, where T maps the slopes in the frame of a node to slopes in x and y.
+/// Replaces `block` by T_rowᵀ · block · T_column, where T maps the slopes in a node's rotated frame to slopes in x and
+/// y.
 fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<[f64; 2]>) {
     if let Some([c, s]) = row {
         for b in 0..3 {

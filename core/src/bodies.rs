@@ -42,7 +42,8 @@ impl Bodies {
         self.gathered(force, |arm| arm);
     }
 
-    /// Moves magnitudes of forces from followers to their leaders; a force adds |arm| times itself to the couples.
+    /// Moves magnitudes of forces from followers to their leaders. A force F at the position (a, b) relative to the
+    /// leader adds |a|F and |b|F to the leader's couples.
     pub fn gather_magnitudes(&self, force: &mut [f64]) {
         self.gathered(force, f64::abs);
     }

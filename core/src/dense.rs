@@ -76,7 +76,7 @@ impl Lu {
         Ok(Self { factors: matrix, permutation, parallelism })
     }
 
-    /// Whether every pivot is finite and larger than `least` in magnitude.
+    /// Whether every pivot of the LU factorization is finite and larger than `least` in magnitude.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.factors.ncols()).map(|i| self.factors[(i, i)].abs()).all(|pivot| pivot > least && pivot.is_finite())
     }
@@ -106,7 +106,7 @@ impl Cholesky {
         Ok(done.is_ok().then_some(Self(matrix)))
     }
 
-    /// Whether every pivot of the factorization is larger than `least`.
+    /// Whether every pivot of the Cholesky factorization is larger than `least`.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.0.ncols()).all(|i| self.0[(i, i)].powi(2) > least)
     }

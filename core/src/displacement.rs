@@ -40,8 +40,9 @@ impl Displacement {
         }
     }
 
-    /// Adds to each component its rigid motion w + sx (x − cx) + sy (y − cy), with (cx, cy) = `centre`. `motions` has
-    /// [w, sx, sy]. The sum is in double-double, so that rounding causes no strain.
+    /// Adds a rigid motion w + sx (x − cx) + sy (y − cy), with (cx, cy) = `centre`, to each connected component of the
+    /// mesh. `motions` has [w, sx, sy] of each component. The sum is in double-double, so that rounding causes no
+    /// strain.
     pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], motions: &[[f64; 3]]) {
         let add = |to: &mut Self, i: usize, what: DoubleDouble| {
             let sum = to.at(i) + what;
@@ -56,8 +57,8 @@ impl Displacement {
             add(self, 3 * node, DoubleDouble::from(w) + along(sx, 0) + along(sy, 1));
             let slopes = match plate.frame(node) {
                 Some([c, s]) => {
-                    // The inverse of [`Displacement::slopes`]. The division corrects c² + s², which is 1 except for
-                    // rounding.
+                    // Transforms slopes in x and y to the frame (c, s) of the node. The second term of `turned`
+                    // corrects for c² + s², which is 1 except for rounding.
                     let square = DoubleDouble::from(c).times(c) + DoubleDouble::from(s).times(s);
                     let excess = (square - DoubleDouble::from(1.0)).value();
                     let turned = |a: f64, b: f64| {
@@ -74,7 +75,7 @@ impl Displacement {
         }
     }
 
-    /// Slopes θx, θy of a node. The stored slopes are in the frame of the node.
+    /// Slopes θx, θy of a node. The stored slopes are those along the axes of the node's frame.
     fn slopes(&self, plate: &Plate, node: usize) -> [DoubleDouble; 2] {
         let [p, q] = [self.at(3 * node + 1), self.at(3 * node + 2)];
         match plate.frame(node) {
@@ -88,7 +89,8 @@ impl Displacement {
         self.stripped(plate, e).map(DoubleDouble::value)
     }
 
-    /// The displacements of [`Displacement::strained`], in double-double.
+    /// Displacements of an element minus the rigid motion of its first node, as [`Displacement::strained`], in
+    /// double-double.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         vectorized(
             #[inline(always)]

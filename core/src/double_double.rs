@@ -46,8 +46,8 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + (carried + error) };
     }
 
-    /// Same result as [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add. This is faster if the code
-    /// is compiled for machines with such an instruction, and much slower otherwise.
+    /// Same result as [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add. It is faster on machines
+    /// with such an instruction if the code is compiled for them, and much slower otherwise.
     #[inline(always)]
     pub fn add_product_fused(&mut self, a: f64, b: f64) {
         let product = a * b;
@@ -57,13 +57,13 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + ((self.hi - (sum - part)) + (product - part) + error) };
     }
 
-    /// The product `self · factor` with a double.
+    /// The product of `self` and the double `factor`.
     pub fn times(self, factor: f64) -> Self {
         let (p, e) = two_product(self.hi, factor);
         Self::new(p, e + self.lo * factor)
     }
 
-    /// The product `self · factor` of two numbers in double-double.
+    /// The product of `self` and `factor`, both in double-double.
     pub fn times_sum(self, factor: Self) -> Self {
         self.times(factor.hi) + self.times(factor.lo)
     }

@@ -2,16 +2,16 @@
 
 use crate::vectorized::vectorized;
 
-/// Number of nodes whose values are computed together; their values stay in registers.
+/// Number of nodes whose values are computed together, so that these values stay in registers.
 pub const TILE: usize = 16;
 
 /// Values of one quantity at the nodes of a tile of [`TILE`] nodes.
 pub type Lanes = [f64; TILE];
 
-/// A formula with inputs m or q, and h.
+/// A formula for values at a node from moments m or shears q, and thickness h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Formula {
-    /// The first input.
+    /// The value of the single input itself.
     Sum,
     /// Principal moments m1 ≥ m2.
     Principal,
@@ -31,10 +31,10 @@ pub enum Formula {
     Steel(Bars),
 }
 
-/// Section of reinforced concrete; `signorini.design.en1992_bending` has the clauses.
+/// Constants of a section of reinforced concrete; `signorini.design.en1992_bending` cites the clauses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bars {
-    /// Distances of the axes of bars from their face: bottom x and y, top x and y.
+    /// Distances from the axes of the bars to the face of the plate: bottom bars in x and y, top bars in x and y.
     pub distance: [f64; 4],
     /// Stress η fcd of the rectangular stress block.
     pub block: f64,
@@ -42,16 +42,17 @@ pub struct Bars {
     pub yield_stress: f64,
     /// Largest λx/d.
     pub deepest: f64,
-    /// Smallest area per depth d.
+    /// Minimum reinforcement: area of bars per length, divided by the depth d.
     pub least: f64,
-    /// Largest area per thickness h.
+    /// Maximum reinforcement: area of bars per length, divided by the thickness h.
     pub most: f64,
-    /// Largest m/h² that needs no bars: smaller moments are rounding errors.
+    /// Largest m/h² that counts as a rounding error and needs no bars.
     pub plain: f64,
 }
 
 impl Bars {
-    /// Required area for m ≥ 0 at depth d: at least the minimum; infinite if bars in tension alone cannot resist m.
+    /// Required area of bars per length for m ≥ 0 at depth d: at least the minimum; infinite if bars in tension alone
+    /// cannot resist m.
     ///
     /// With s = λx/d, m = η fcd d² s (1 − s/2) and As fyd = η fcd d s.
     #[inline(always)]
@@ -100,7 +101,8 @@ fn design([mx, my, mxy]: [f64; 3]) -> [f64; 4] {
     [x, y, 0.0 - top_x, 0.0 - top_y]
 }
 
-/// Design moments of bars at the bottom; one is 0 where bars in the other direction alone suffice.
+/// Design moments of the bottom bars in x and y. The moment is 0 in a direction if the bars of the other direction
+/// suffice.
 #[inline(always)]
 fn sagging(mx: f64, my: f64, mxy: f64) -> (f64, f64) {
     let (x, y, twist) = (mx + mxy.abs(), my + mxy.abs(), mxy * mxy);
@@ -120,7 +122,7 @@ fn face(m: [f64; 3], h: f64) -> [f64; 8] {
 }
 
 impl Formula {
-    /// Number of inputs: 3 moments, 2 shears or 1 sum.
+    /// Number of inputs of the formula at a node: 3 moments, 2 shears or 1 sum.
     pub fn inputs(self) -> usize {
         match self {
             Self::Sum => 1,
@@ -129,7 +131,7 @@ impl Formula {
         }
     }
 
-    /// Number of values.
+    /// Number of values that the formula gives at a node.
     pub fn values(self) -> usize {
         match self {
             Self::Sum | Self::Angle => 1,
@@ -139,7 +141,7 @@ impl Formula {
         }
     }
 
-    /// Computes the values at the nodes of a tile.
+    /// Computes the values of the formula at the nodes of a tile.
     #[inline(always)]
     pub fn apply(self, inputs: &[Lanes], thickness: &Lanes, values: &mut [Lanes]) {
         match self {
@@ -153,7 +155,8 @@ impl Formula {
         }
     }
 
-    /// Values (n, c), row-major, from inputs (n, i) and thickness (n,); the bits are those of an envelope.
+    /// Values (n, c) of the formula at n nodes, row-major, from inputs (n, i) and thickness (n,). They are equal to the
+    /// last bit to those of which envelopes are made.
     pub fn of(self, inputs: &[f64], thickness: &[f64]) -> Vec<f64> {
         let (from, to) = (self.inputs(), self.values());
         let mut result = vec![0.0; thickness.len() * to];
@@ -176,7 +179,7 @@ impl Formula {
     }
 }
 
-/// Evaluates a formula of I inputs and O values on every lane.
+/// Evaluates a formula of I inputs and O values at each node of a tile.
 #[inline(always)]
 fn each<const I: usize, const O: usize>(
     inputs: &[Lanes],

@@ -92,8 +92,8 @@ impl<'a> Dissection<'a> {
         usize::from(high[1] - low[1] > high[0] - low[0])
     }
 
-    /// The parts that are in cells of both halves and in no earlier separator, ordered along the cut. They are marked
-    /// as placed.
+    /// Parts (deflection or slopes of a node) that are in cells of both halves and in no earlier separator, ordered
+    /// along the cut. They are marked as placed.
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
         for &cell in left {
@@ -120,7 +120,7 @@ impl<'a> Dissection<'a> {
     fn unplaced(&self, cells: &[usize]) -> Vec<usize> {
         let mut parts: Vec<usize> =
             cells.iter().flat_map(|&cell| self.parts(cell)).filter(|&part| !self.placed[part]).collect();
-        // Parts that occur in one cell only come first, since their elimination causes no fill.
+        // Parts (deflection or slopes of a node) in one cell only come first, since their elimination causes no fill.
         parts.sort_unstable();
         let count = |part: usize| parts.iter().filter(|&&other| other == part).count();
         let mut unique: Vec<(usize, usize)> = parts.iter().map(|&part| (count(part), part)).collect();

@@ -198,7 +198,7 @@ impl Plate {
     /// Sets the stress nodes, which separate moments and shears where these jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // There are at most as many stress nodes as nodes of all elements. This is checked before memory is allocated.
+        // There are at most eight stress nodes for each element. This is checked before memory is allocated.
         if nodes.count > 8 * self.elements.len() {
             return Err(PlateError::Range { what: "stress nodes", index: 0 });
         }
@@ -248,7 +248,7 @@ impl Plate {
         self.rigid.get(e) == Some(&true)
     }
 
-    /// Whether some node of element e follows another node.
+    /// Whether some node of element e follows a leader as part of a rigid body.
     pub fn has_followers(&self, e: usize) -> bool {
         self.leading(e) != &self.elements[e]
     }
@@ -317,9 +317,9 @@ impl Plate {
         &self.elements
     }
 
-    /// Packed lower triangle of the stiffness of element e, for rotations in x and y instead of nodal frames. For a
-    /// very thin element it contains a reduced shear stiffness, since the full one would lose bending in rounding; it
-    /// then serves as preconditioner.
+    /// Packed lower triangle of the stiffness of element e, for rotations in x and y instead of nodal frames. The
+    /// matrix of a very thin element has a reduced shear stiffness, since bending would be lost in the rounding of the
+    /// full one; this matrix only serves as preconditioner.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
         let matrix = self.matrix[e] as usize;
         &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
@@ -444,7 +444,7 @@ impl Plate {
 
     /// Row over the dofs of element e, in nodal frames, that gives w, θx or θy (`field` 0, 1, 2) at (ξ, η). The row
     /// includes the centre rotations that follow from nodal displacements. The second value has the coefficients of the
-    /// two centre rotations, for the part that couples on them cause.
+    /// centre rotations that couples on them cause.
     pub fn interpolation_row(&self, e: usize, xi: f64, eta: f64, field: usize) -> ([f64; DOFS], [f64; 2]) {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
@@ -487,8 +487,8 @@ impl Plate {
         (load, centre)
     }
 
-    /// The forces of [`Plate::curvature_load`] for one element, over its own dofs in nodal frames, and the couples on
-    /// its centre rotations.
+    /// Nodal forces of a stress-free curvature of element e, over its dofs in nodal frames, and the couples on its
+    /// centre rotations.
     pub fn curvature_load_on(&self, e: usize, curvature: [f64; 3]) -> ([f64; DOFS], [f64; 2]) {
         if self.is_rigid(e) {
             return ([0.0; DOFS], [0.0; 2]);

@@ -82,8 +82,9 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
-/// Σ |K_e| |u_e| at each dof (3n,), with u_e the displacements of an element without its rigid motion. In thin elements
-/// the terms of forces from strains are summed. ε times this sum bounds the rounding errors of [`residual`].
+/// Σ |K_e| |u_e| at each dof (3n,), with u_e the displacements of an element without its rigid motion. Thin elements
+/// add the magnitudes of the terms of their forces from strains. ε times the sum bounds the rounding errors of
+/// [`residual`].
 pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
     let parts = each_moving_element(plate, displacement, |e| {
         let stripped = displacement.stripped(plate, e);
@@ -138,9 +139,9 @@ fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
     part
 }
 
-/// The gaps distance − g·u (m,), summed in double-double. `coefficients` (m + q, 24) has the m rows g, then q
-/// continuations of rows in further elements. `further` (q,), ascending, has the number of the row that each continues.
-/// `elements` (m + q,) has the element of each.
+/// The gaps distance − g·u (m,) of contact points, summed in double-double. `coefficients` (m + q, 24) has the m rows
+/// g, each in one element, then q continuations of rows in further elements. `further` (q,), ascending, has the row
+/// number of each continuation. `elements` (m + q,) has the elements of rows and continuations.
 pub fn openings(
     plate: &Plate,
     elements: &[usize],
@@ -180,7 +181,7 @@ struct InternalForce<'a> {
 impl WithSimd for InternalForce<'_> {
     type Output = [f64; DOFS];
 
-    /// Sums the rows of the product K_e u in SIMD lanes.
+    /// Sums the terms of the product K_e u, with one row of K_e in each SIMD lane.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; DOFS] {
         let mut whole = [[0.0; DOFS]; DOFS];

@@ -7,7 +7,7 @@ use crate::plate::Plate;
 use std::collections::BTreeMap;
 
 /// A table of rows g of elastic supports and contact points. Row i has coefficients over the dofs of one element, in
-/// nodal frames. If the plate has rigid bodies, they are over the dofs of the leaders.
+/// nodal frames. If the plate has rigid bodies, the coefficients are over the dofs of the leaders.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
     pub element: Vec<usize>,
@@ -26,7 +26,7 @@ impl Rows {
         self.element.is_empty()
     }
 
-    /// Transforms the coefficients at followers to coefficients at their leaders.
+    /// Replaces the coefficients at nodes that follow a leader by coefficients at the leader, in all rows.
     pub fn onto_leaders(mut self, plate: &Plate) -> Self {
         if plate.bodies().is_empty() {
             return self;

@@ -1,6 +1,6 @@
 //! Linear combinations of many vectors, and extremes of these sums and of fields computed from them.
 //!
-//! Each sum adds the vectors in their order, so that its bits do not depend on other sums.
+//! Each sum adds the vectors in their order, so that it is the same to the last bit with and without other sums.
 
 use crate::fields::{Formula, Lanes, TILE};
 use pulp::{Arch, Simd, WithSimd};
@@ -22,8 +22,8 @@ pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64
     out
 }
 
-/// Sum of `count` terms. They are computed in parallel and added in order, so that the bits do not depend on the number
-/// of threads. A thread computes at least `least` consecutive terms.
+/// Sum of `term(0)` to `term(count − 1)`. Terms are computed in parallel and added in order, so that the sum is the
+/// same to the last bit for any number of threads. A thread computes at least `least` consecutive terms.
 pub fn sum_in_order(count: usize, least: usize, term: impl Fn(usize) -> f64 + Send + Sync) -> f64 {
     let terms: Vec<f64> = (0..count).into_par_iter().with_min_len(least).map(term).collect();
     terms.iter().sum()
@@ -63,7 +63,7 @@ pub struct Envelope<'a> {
 }
 
 impl<'a> Envelope<'a> {
-    /// The envelope in chunks of `size` entries.
+    /// Divides the envelope into chunks of `size` entries.
     fn chunks(self, size: usize) -> impl Iterator<Item = Self> {
         let largest = self.largest.chunks_mut(size).zip(self.largest_by.chunks_mut(size));
         let smallest = self.smallest.chunks_mut(size).zip(self.smallest_by.chunks_mut(size));
@@ -75,7 +75,8 @@ impl<'a> Envelope<'a> {
         })
     }
 
-    /// Updates the entries from `from` on with the values of combination `who`; `high` and `low` are their extremes.
+    /// Updates the envelope from entry `from` on with the values of combination `who`. `high` and `low` are the largest
+    /// and the smallest values of these entries until now.
     #[inline(always)]
     fn take(&mut self, from: usize, values: &Lanes, high: &mut Lanes, low: &mut Lanes, who: i64) {
         let mut beyond = false;
@@ -83,7 +84,7 @@ impl<'a> Envelope<'a> {
             beyond |= (values[i] > high[i]) | (values[i] < low[i]);
         }
         if beyond {
-            // If the tile is incomplete, its last lanes repeat an entry.
+            // An incomplete tile repeats its last entry in the remaining lanes; they are skipped.
             for i in 0..TILE.min(self.largest.len() - from) {
                 if values[i] > high[i] {
                     (self.largest[from + i], self.largest_by[from + i], high[i]) = (values[i], who, values[i]);
@@ -106,7 +107,7 @@ pub struct Peak {
 }
 
 /// Entries that are excluded from the extremes of a sum. `class` (n,) is the class of each entry; `sums` (k, `classes`)
-/// is true where a sum excludes a class.
+/// is true where a sum excludes all entries of a class.
 #[derive(Clone, Copy)]
 pub struct LeftOut<'a> {
     pub class: &'a [i64],
@@ -133,7 +134,8 @@ impl LeftOut<'_> {
 const NO_PEAK: Peak = Peak { largest: f64::NEG_INFINITY, largest_at: 0, smallest: f64::INFINITY, smallest_at: 0 };
 
 impl Peak {
-    /// The extremes over the entries of both peaks. If values are equal, the index is that of `self`.
+    /// The larger maximum and the smaller minimum of two peaks, with their indices. If both values are equal, `self`
+    /// has priority.
     fn or(self, other: Self) -> Self {
         let (largest, largest_at) = if other.largest > self.largest {
             (other.largest, other.largest_at)
@@ -149,8 +151,8 @@ impl Peak {
     }
 }
 
-/// Fields with envelopes: the values `wanted` (f,), as indices among the values of all `formulas`, which have the same
-/// inputs. `thickness` (n,) is the thickness at each entry.
+/// Fields of which envelopes are made. All `formulas` have the same inputs; `wanted` (f,) has the indices of the fields
+/// in the list of values of all formulas. `thickness` (n,) is the thickness at each entry.
 pub struct Fields<'a> {
     pub formulas: &'a [Formula],
     pub wanted: &'a [usize],
@@ -225,7 +227,8 @@ fn fill(lanes: &mut Lanes, source: &[f64]) {
     lanes[source.len()..].fill(source[source.len() - 1]);
 }
 
-/// Entries of a tile: index of the first among all entries and in its share, and their number.
+/// Range of entries of a tile: index of the first entry in the whole vector (`first`) and in its parallel chunk
+/// (`from`), and number of entries.
 #[derive(Clone, Copy)]
 struct Within {
     first: usize,
@@ -354,7 +357,7 @@ mod tests {
                 smallest_by: &mut smallest_by,
             };
             let fields = Fields { formulas: &[Formula::Sum], wanted: &[0], thickness: &vec![0.0; length] };
-            // In sums with odd numbers, every third entry is excluded from the extremes.
+            // In sums with odd index, every third entry is excluded from the extremes.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };

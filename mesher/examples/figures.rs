@@ -40,7 +40,7 @@ fn line(from: Point, to: Point) -> Line {
     Line { ends: [from, to], ..Line::default() }
 }
 
-/// A floor of 10 × 8 with two shafts and twenty columns, whose sides are lines to follow.
+/// A floor of 10 × 8 with two shafts and twenty columns; element sides follow the sides of the columns.
 fn floor() -> (Vec<Loop>, Vec<Line>) {
     let loops = vec![
         polygon("", vec![[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [7.0, 5.0], [7.0, 8.0], [0.0, 8.0]]),

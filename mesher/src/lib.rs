@@ -45,11 +45,12 @@ pub struct Line {
     pub ends: [Point; 2],
     /// A point on the arc between its two ends; `None` for a straight line.
     pub through: Option<Point>,
-    /// Lines are followed in increasing order of rank; a line is left out if it is too near to a followed one.
+    /// Priority of the line: sides of elements follow lines of low rank first. A line too near to an earlier one is
+    /// left out.
     pub rank: usize,
-    /// Whether parts of the line may be followed: those inside the plate that are at least about half an element away
-    /// from the outline and from followed lines. If false, the part inside the plate is followed as a whole or not at
-    /// all.
+    /// Whether sides of elements may follow only parts of the line: those inside the plate that are at least about half
+    /// an element away from the outline and from earlier lines. If false, they follow all of the line inside the plate,
+    /// or none.
     pub in_part: bool,
 }
 
@@ -60,12 +61,13 @@ pub struct MeshOptions {
     pub size: f64,
     pub refinements: Vec<Refinement>,
     pub lines: Vec<Line>,
-    /// Points that become nodes if they are far enough from other nodes and from followed lines.
+    /// Points at which nodes are placed if they are far enough from corners of the outline, from other points and from
+    /// lines.
     pub points: Vec<Point>,
     /// Largest number of elements, approximately; `None` means 10⁷.
     pub most: Option<usize>,
-    /// Axes of the normal form: ±x and ±y, in either order. If two plates are the same along their axes, they have the
-    /// same mesh, mirrored or turned like the plates.
+    /// The two axes along which the plate is meshed: ±x and ±y, in either order. Two plates of equal shape along these
+    /// axes have the same mesh, mirrored or turned like the plates.
     pub axes: [Point; 2],
 }
 
@@ -95,7 +97,7 @@ pub struct Mesh {
 
 /// Largest number of elements if [`MeshOptions::most`] is `None`.
 const MOST: usize = 10_000_000;
-/// Largest number of attempts. After a failed attempt, elements near the bad ones are made smaller.
+/// Largest number of attempts to mesh a plate. After a failed attempt, elements become smaller near badly shaped ones.
 const ATTEMPTS: usize = 8;
 
 /// Meshes the plate inside the first loop and outside all other loops, which are holes.
@@ -183,13 +185,13 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
 }
 
 /// A first mesh is accepted if quadrilaterals have at least the fraction `ENOUGH` of the area and the smallest angle is
-/// at least `SHARP` degrees. Other styles are tried only for meshes of at most `MANY` elements, since in larger ones
-/// most elements are those of the lattice.
+/// at least `SHARP` degrees. Other styles of node placement are tried only for meshes of at most `MANY` elements, since
+/// in larger ones most elements are those of the lattice.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
-/// Meshes with fewer elements keep their triangles. Merging would replace these by longer quadrilaterals, which are
-/// less accurate.
+/// Meshes with fewer elements keep their triangles. Merging pairs of triangles would give longer quadrilaterals, which
+/// are less accurate.
 const FEW: usize = 28;
 /// Smallest quality (sine of a corner angle), before smoothing, of elements that result from merging triangles.
 /// `CAUTIOUS` applies to meshes of more than `MANY` elements, which are not made again without merging if an angle is
@@ -217,7 +219,7 @@ struct Draft {
 struct Task<'a> {
     outline: &'a Outline,
     sizes: &'a Sizes,
-    /// Lines that sides of elements follow, and whether each may be followed in part.
+    /// Lines that sides of elements follow, and whether they may follow only parts of each line.
     lines: &'a [(Curve, bool)],
     points: &'a [Point],
     /// Smallest acceptable corner angle, in degrees.
@@ -225,14 +227,14 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The first good mesh of several styles, or the best one if none is good.
+    /// The first good mesh of several styles of node placement, or the best mesh if none is good.
     ///
     /// # Errors
     ///
-    /// If no mesh can be made: the points at which elements must be smaller.
+    /// Returns the points at which elements must be smaller, if no mesh can be made.
     fn best(&self, slant: Option<f64>) -> Result<Quadratic, Vec<Point>> {
-        // A lattice with the angle `slant` may fit the plate without triangles. If it does not, it is tried like the
-        // other styles.
+        // The lattice with the angle `slant` is tried first, since it may fit the plate without triangles. If it does
+        // not, its mesh is compared with those of the other styles.
         let mut slanted = slant.and_then(|angle| self.drafted(Style::Skew(angle)).ok());
         let whole = slanted.take_if(|draft| draft.elements.iter().all(|corners| corners[3] != NONE));
         let mut fitting = whole.and_then(|draft| self.made(draft).ok());
@@ -265,7 +267,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// If no mesh can be made: the points at which elements must be smaller.
+    /// Returns the points at which elements must be smaller, if no mesh can be made.
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
@@ -284,7 +286,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// If no mesh can be made: the points at which elements must be smaller.
+    /// Returns the points at which elements must be smaller, if no mesh can be made.
     fn made(&self, draft: Draft) -> Result<Quadratic, Vec<Point>> {
         let Draft { mut seeds, pieces, elements: paired } = draft;
         let chords = Chords::new(&seeds.chords, &pieces);
@@ -313,7 +315,7 @@ impl Task<'_> {
     ///
     /// # Errors
     ///
-    /// If elements are inverted or nearly so: the points at which elements must be smaller.
+    /// Returns the points at which elements must be smaller, if elements are inverted or nearly so.
     fn shaped(&self, seeds: &mut Seeds, pieces: &[Piece], elements: &[Corners]) -> Result<Quadratic, Vec<Point>> {
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);

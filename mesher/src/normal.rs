@@ -7,11 +7,11 @@ use crate::sizes::Refinement;
 use crate::tree::Box2;
 use crate::{Line, MeshOptions};
 
-/// Grid to which coordinates are rounded, relative to the extent of the plate. It is much coarser than rounding errors
-/// in any unit, and finer than the distance of distinct points.
+/// Spacing of the grid to which coordinates are rounded, relative to the extent of the plate. It is much coarser than
+/// rounding errors in any unit, and finer than the distance of distinct points.
 const GRID: f64 = 1.0 / (1u64 << 40) as f64;
-/// Grid to which positions of refinements are rounded, relative to the extent. It is coarser than `GRID`, because these
-/// positions come from distances with fewer digits.
+/// Spacing of the grid to which positions of refinements are rounded, relative to the extent. It is coarser than
+/// `GRID`, because these positions are computed from distances and have larger rounding errors.
 const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
 
 pub struct Normal {
@@ -25,9 +25,9 @@ pub struct Normal {
 /// A side of the outline in original coordinates.
 pub struct Given {
     pub curve: Curve,
-    /// Number of the side in the list of all sides that have the plate on their left.
+    /// Number of the side in the list of all sides, which are directed with the plate on their left.
     pub number: usize,
-    /// Number of the loop, and number of the side in this loop.
+    /// Number of the loop in the input, and number of the side in this loop.
     pub of: [usize; 2],
 }
 
@@ -69,7 +69,7 @@ impl Normal {
     }
 
     pub fn size(&self, size: f64) -> f64 {
-        // The size is rounded to the upper 30 of its 53 bits (Dekker 1971).
+        // The element size is rounded to the upper 30 of its 53 bits (Dekker 1971), so that it is the same in any unit.
         let size = size / self.extent;
         let wide = f64::from((1 << 23) + 1) * size;
         wide - (wide - size)

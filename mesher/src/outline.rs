@@ -286,8 +286,8 @@ pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
     use std::f64::consts::{FRAC_PI_2, PI};
     // Sides have equal directions if their angles differ by less than this, in radians: the rounding of their corners.
     const SAME: f64 = 1e-6;
-    // Cosines of two angles between lattice directions: `FLATTEST` of 40°, the smallest allowed one; the other of an
-    // angle that counts as 90°.
+    // Cosines of angles between lattice directions: `FLATTEST` of 40°, the smallest allowed angle; `SQUARE` of the
+    // smallest angle that counts as 90°.
     const FLATTEST: f64 = 0.766;
     const SQUARE: f64 = 0.01;
     let longest = |period: f64, wanted: &dyn Fn(f64) -> bool| {

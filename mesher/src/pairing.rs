@@ -4,11 +4,12 @@ use crate::geometry::Point;
 use crate::quality::{Corners, quality};
 use crate::triangles::{NONE, Triangles};
 
-/// Smallest quality of a pair: the smallest sine of the corner angles of its quadrilateral (25° to 155°).
+/// Smallest quality at which two triangles are paired: smallest sine of the quadrilateral's corner angles (25° to
+/// 155°).
 const LEAST: f64 = 0.42;
 /// Reduction of the quality of pairs that remove a side along a lattice line, so that pairs across diagonals, which are
-/// the cells of the lattice, come first. In a lattice with an angle of 40°, these have a quality of 0.64, but pairs
-/// across lattice lines have 0.94.
+/// the cells of the lattice, come first. In a lattice with an angle of 40°, pairs across diagonals have a quality of
+/// 0.64, but pairs across lattice lines have 0.94.
 const KEPT: f64 = 0.35;
 /// Largest number of pairs that are exchanged in order to pair two more triangles.
 const DEPTH: usize = 10;

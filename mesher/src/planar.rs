@@ -1,4 +1,5 @@
-//! Sides of the outline and followed lines, divided at the points where they meet into pieces between vertices.
+//! Divides the sides of the outline, and the lines that element sides follow, into pieces between vertices: the points
+//! where sides and lines meet.
 
 use crate::geometry::{Curve, Point, cross, distance, dot, order, scale};
 use crate::outline::Outline;
@@ -27,7 +28,7 @@ impl Source {
     }
 }
 
-/// A side of the outline or a followed line, with the vertices on it.
+/// A side of the outline, or a line that element sides follow, with the vertices on it.
 struct Track {
     curve: Curve,
     of: Source,
@@ -40,16 +41,16 @@ pub struct Planar<'a> {
     sizes: &'a Sizes,
     vertices: Vec<Point>,
     tracks: Vec<Track>,
-    /// Two points are equal if their distance is at most this.
+    /// Largest distance of two points that count as equal.
     same: f64,
 }
 
-/// Smallest distance of a followed line from other lines and vertices, relative to the element size.
+/// Smallest distance of a line that element sides follow from other lines and vertices, relative to the element size.
 pub const NEAR: f64 = 0.55;
-/// Sine of the smallest angle between a followed line and the curve at which the line ends (25°).
+/// Sine of the smallest angle (25°) between a line that element sides follow and the curve at which the line ends.
 const SLANT: f64 = 0.42;
 
-/// Number of sample points per smallest distance along a line that is followed in part.
+/// Number of sample points per length `NEAR` · element size, along a line of which element sides may follow parts.
 const STATIONS: f64 = 4.0;
 
 /// Begin or end of a part of a new line; `share` is the fraction of the line's length.
@@ -72,8 +73,8 @@ impl<'a> Planar<'a> {
         Planar { outline, sizes, vertices, tracks, same }
     }
 
-    /// Follows the part of a line that is inside the plate, if it is far enough from all other lines and vertices. If
-    /// `in_part`, only those parts are followed that are far enough.
+    /// Makes element sides follow the part of a line that is inside the plate, if it is far enough from all other lines
+    /// and vertices. If `in_part`, they follow those parts of the line that are far enough.
     pub fn follow_curve(&mut self, number: usize, line: &Curve, in_part: bool) {
         let length = line.length();
         if !(length > self.same) {
@@ -112,7 +113,7 @@ impl<'a> Planar<'a> {
 
     /// The vertices, and the pieces between them. A vertex without a piece is a point from `follow_point`.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
-        // The numbers of vertices and pieces depend on coordinates, not on the order in which lines were followed.
+        // The numbers of vertices and pieces depend on coordinates, not on the order in which lines were added.
         let sides = self.outline.sides.len();
         let mut result: Vec<usize> = (0..self.vertices.len()).collect();
         result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
@@ -151,7 +152,7 @@ impl<'a> Planar<'a> {
             let met = line.crossings(&track.curve);
             stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
-        // Stops at equal points are merged into one, which keeps their vertex if one of them has a vertex.
+        // Stops at equal points are merged into one stop, which keeps their vertex if one of them has a vertex.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
         let mut merged: Vec<Stop> = Vec::new();
         for stop in stops {
@@ -180,8 +181,8 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// The parts of a line that may be followed: the whole line, or parts that are far enough from other lines and
-    /// vertices.
+    /// The parts of a line that element sides may follow: the whole line, or the parts that are far enough from other
+    /// lines and vertices.
     fn with_room(&self, ends: &[Stop; 2], stretch: &Curve) -> Vec<([Stop; 2], Curve)> {
         if self.may_follow(ends, stretch) {
             return vec![(*ends, *stretch)];
@@ -199,7 +200,8 @@ impl<'a> Planar<'a> {
                 && parts.last().is_none_or(|(ends, _): &([Stop; 2], Curve)| distance(ends[1].at, at(i)) >= near(at(i)))
         }) {
             let last = (first..=count).take_while(|&i| clear[i]).last().unwrap_or(first);
-            // If only the sample points at an end of the line are too near, the part up to this end is tried first.
+            // If only sample points at an end of the line are too near to other lines, the part up to this end is tried
+            // first.
             let from =
                 if parts.is_empty() { vec![Stop { share: 0.0, ..ends[0] }, stop(first)] } else { vec![stop(first)] };
             let to = if clear[last..].iter().skip(1).any(|&c| c) {
@@ -215,7 +217,8 @@ impl<'a> Planar<'a> {
         parts
     }
 
-    /// The number of the vertex at a point. If no vertex is there, one is added, also to the track through this point.
+    /// The number of the vertex at a point. If no vertex is there, one is added, also to the side or line through the
+    /// point.
     fn vertex(&mut self, at: Point) -> usize {
         if let Some(vertex) = self.vertex_at(at) {
             return vertex;
@@ -239,7 +242,8 @@ impl<'a> Planar<'a> {
                 return false;
             }
         }
-        // A straight line is nearest to another at one of its ends, so only arcs are sampled in between.
+        // Two straight lines that do not cross are nearest at an end of one of them, so only arcs are sampled in
+        // between.
         let stations = if part.is_straight() { 0 } else { (4.0 * part.length() / near(part.at(0.5))).ceil() as usize };
         let apart = self.vertices.iter().all(|&v| {
             let off = distance(v, part.at(part.nearest(v)));
@@ -257,7 +261,8 @@ impl<'a> Planar<'a> {
                         }
                         let direction = track.curve.direction(t);
                         let steep = cross(direction, onward).abs() >= SLANT;
-                        // A new line may continue a track at the end of the track.
+                        // The smallest angle does not apply to a line or side that the new line continues beyond the
+                        // end.
                         let length = track.curve.length();
                         steep
                             || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
@@ -267,13 +272,13 @@ impl<'a> Planar<'a> {
             )
     }
 
-    /// Whether a new vertex is far enough from all vertices, and from all tracks that do not pass through it.
+    /// Whether a new vertex is far enough from all vertices, and from all sides and lines that do not pass through it.
     fn has_room(&self, at: Point) -> bool {
         let near = NEAR * self.sizes.at(at);
         self.vertices.iter().all(|&v| distance(v, at) >= near) && self.is_clear(at, near)
     }
 
-    /// Whether the point `at` is at least `near` away from all tracks that do not pass through it.
+    /// Whether the point `at` is at least `near` away from all sides and lines that do not pass through it.
     fn is_clear(&self, at: Point, near: f64) -> bool {
         self.tracks.iter().all(|track| {
             let off = distance(track.curve.at(track.curve.nearest(at)), at);

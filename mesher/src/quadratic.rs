@@ -187,8 +187,8 @@ impl Quadratic {
             Source::Side(side) => &sides[side].curve,
             Source::Line(line) => &lines[line],
         };
-        // Rounding moves nodes away from the original curves, so they are projected back. At a crossing a node is
-        // projected alternately onto both curves.
+        // Rounding moves nodes away from the original curves, so they are projected back. A node at the crossing of two
+        // curves is projected onto each in turn, twice.
         for (of, node) in [&self.on[..], &self.on, &self.bent].concat() {
             let curve = given(of);
             points[node] = curve.at(curve.nearest(points[node]));

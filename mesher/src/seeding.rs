@@ -1,5 +1,5 @@
-//! Initial nodes: along the pieces of outline and lines, and inside the plate on a lattice, which is finer where
-//! elements must be smaller.
+//! Initial nodes: along the outline and the lines that element sides follow, and inside the plate on a lattice, which
+//! is finer where elements must be smaller.
 
 use crate::geometry::{Curve, Point, add, between, distance};
 use crate::outline::Outline;
@@ -7,16 +7,16 @@ use crate::planar::{NEAR, Piece};
 use crate::sizes::Sizes;
 use crate::tree::{Box2, Segment, Tree};
 
-/// Initial nodes, and chords between consecutive nodes of a piece.
+/// Initial nodes, and the chords between consecutive nodes along the outline and along lines.
 pub struct Seeds {
     pub points: Vec<Point>,
     /// Number of fixed nodes. They are the vertices and come first in `points`.
     pub fixed_points: usize,
-    /// For each node that may slide along a piece: the piece, and the fraction of its curve's length. `None` for other
-    /// nodes.
+    /// For each node that may slide along a piece of the outline or of a line: the piece, and the fraction of its
+    /// curve's length. `None` for other nodes.
     pub on: Vec<Option<(usize, f64)>>,
     pub chords: Vec<Chord>,
-    /// Chords and nodes of all pieces, in a tree for distances from them.
+    /// Nodes on the outline and on lines, and the chords between these nodes, in a tree for distances from them.
     fixed: Tree,
 }
 
@@ -28,7 +28,8 @@ pub struct Chord {
     pub span: [f64; 2],
 }
 
-/// Largest side relative to the element size. A longer side is halved, since its halves are nearer to the element size.
+/// Largest element side relative to the element size. A longer side is halved, since its halves are nearer to this
+/// size.
 const LONG: f64 = 1.42;
 
 /// The way in which nodes are placed inside the plate.
@@ -36,7 +37,7 @@ const LONG: f64 = 1.42;
 pub enum Style {
     /// Nodes on a square lattice.
     Square,
-    /// Nodes on a square lattice, and at a depth of one element along pieces that are oblique to the lattice.
+    /// Nodes on a square lattice, and one element size away from curves that are oblique to the lattice.
     Lined,
     /// Nodes on a square lattice only where elements have their largest size. Refinement of triangles adds the other
     /// nodes.
@@ -78,13 +79,13 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
 }
 
 impl Seeds {
-    /// Whether a point is far enough from all pieces to be a node of elements of the given size.
+    /// Whether a point is far enough from the outline and all lines to be a node of elements of the given size.
     pub fn is_free(&self, p: Point, size: f64) -> bool {
-        // The subtracted value allows for rounding in the distance of lattice lines from followed lines.
+        // The subtracted value allows for rounding in the distance of a lattice line from the outline and from lines.
         self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
     }
 
-    /// Adds nodes at a depth of one element beside the nodes of those pieces that are oblique to the lattice.
+    /// Adds nodes one element size away from the nodes on those curves that are oblique to the lattice.
     fn line(&mut self, outline: &Outline, sizes: &Sizes, pieces: &[Piece], grid: &Grid) {
         let mut beside: Vec<Point> = Vec::new();
         for (node, on) in self.on.iter().enumerate() {
@@ -125,12 +126,12 @@ impl Seeds {
     }
 }
 
-/// The lattice: coordinates of its lines in a sheared plane, in which they are the lines x = … and y = ….
+/// The lattice: coordinates of its lines in a sheared plane, in which the two lattice directions are the axes.
 pub struct Grid {
     lines: [Vec<f64>; 2],
     /// Cosine and sine of the angle between the two lattice directions.
     second: [f64; 2],
-    /// Two coordinates are equal if they differ by at most this.
+    /// Largest difference of two coordinates that count as equal.
     level: f64,
 }
 
@@ -140,7 +141,7 @@ impl Grid {
         let mut grid = Grid { lines: [Vec::new(), Vec::new()], second, level: 1e-9 * outline.bounds.extent() };
         let bounds = Box2::around(outline.chords.segments.iter().map(|s| grid.flat(s.a)));
         grid.lines = [0, 1].map(|axis| {
-            // For this axis, the coordinates of straight pieces along the other axis, with the lengths of these pieces.
+            // Straight pieces along the other axis, as pairs of their coordinate along this axis and their length.
             let mut lines: Vec<(f64, f64)> = vec![(bounds.low[axis], 0.0), (bounds.high[axis], 0.0)];
             for piece in pieces.iter().filter(|piece| grid.axis_along(&piece.curve) == Some(1 - axis)) {
                 let length = piece.curve.length() * (piece.span[1] - piece.span[0]);
@@ -229,7 +230,7 @@ impl Grid {
         stations
     }
 
-    /// Points of the lattice. Its cells are halved until they have the size that elements shall have there.
+    /// Points of the lattice. A lattice cell is halved until it has about the element size that `sizes` gives there.
     fn lattice(&self, sizes: &Sizes) -> Vec<Point> {
         let [x, y] = &self.lines;
         let mut points = Vec::new();
@@ -244,8 +245,8 @@ impl Grid {
     }
 }
 
-/// Halves an interval until its parts have at most 1.42 times the size that elements shall have there. Appends the
-/// begin of each part to `result`.
+/// Halves an interval until its parts have at most 1.42 times the element size there. Appends the begin of each part to
+/// `result`.
 fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, result: &mut Vec<f64>) {
     let middle = 0.5 * (low + high);
     if high - low > LONG * size(middle) {
@@ -278,8 +279,8 @@ fn quarter(low: Point, high: Point, sizes: &impl Fn(Point) -> f64, points: &mut 
     }
 }
 
-/// Fractions of a curve's length that divide its part from `from` to `to` so that each division needs the same number
-/// of elements.
+/// Fractions of a curve's length that divide its part from `from` to `to` into element sides. The ratio of side length
+/// to element size is the same for all these sides.
 fn even(curve: &Curve, from: f64, to: f64, sizes: &Sizes) -> Vec<f64> {
     let at = |t: f64| curve.at(from + t * (to - from));
     let counts = sizes.counts(at, curve.length() * (to - from));

@@ -1,4 +1,4 @@
-//! Sizes that elements shall have: from the given size, refinements, short sides, arcs and narrow parts of the plate.
+//! Local element sizes, from the given size, refinements, short sides, arcs and narrow parts of the plate.
 
 use crate::geometry::{Point, between, cross, distance, sub};
 use crate::outline::Outline;
@@ -6,7 +6,7 @@ use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::TAU;
 
 /// A refinement: elements along the straight line from `from` to `to` have at most the size `size`. If both points are
-/// equal, it applies at this point.
+/// equal, the refinement is at this point.
 #[derive(Clone, Copy, Debug)]
 pub struct Refinement {
     pub from: Point,
@@ -59,8 +59,8 @@ impl Sizes {
             let size = self.at(middle);
             let wide = sub(high, low);
             let cells = wide[0] / size * (wide[1] / size);
-            // In a box that is at most eight elements wide, the size is nearly constant. If the size is constant in the
-            // whole plate, larger boxes suffice.
+            // In a box that is at most eight elements wide, the element size is nearly constant. If it is constant in
+            // the whole plate, larger boxes suffice.
             if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
                 sum += if outline.contains(middle) { cells } else { 0.0 };
             } else if wide[0] > wide[1] {
@@ -72,7 +72,7 @@ impl Sizes {
         sum
     }
 
-    /// Whether elements must be smaller than the largest size anywhere in the plate.
+    /// Whether elements must be smaller than the largest size somewhere in the plate.
     pub fn is_graded(&self) -> bool {
         !self.finer.segments.is_empty()
     }

@@ -188,7 +188,7 @@ impl Around {
         least
     }
 
-    /// Calls `take` with each neighbour of a node. Neighbours across sides of two elements occur twice.
+    /// Calls `take` with each neighbour of a node. A neighbour occurs twice if the side to it belongs to two elements.
     fn neighbours(&self, node: usize, elements: &[Corners], mut take: impl FnMut(usize)) {
         for &e in self.of(node) {
             let n = count(&elements[e]);

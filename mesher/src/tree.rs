@@ -157,8 +157,8 @@ impl Tree {
         }
     }
 
-    /// Whether p is inside the closed loops that the segments with `wanted` form. Counts the crossings to the right of
-    /// p.
+    /// Whether p is inside the closed loops of the segments for which `wanted` is true. Counts the crossings to the
+    /// right of p.
     pub fn encloses(&self, p: Point, wanted: impl Fn(&Segment) -> bool) -> bool {
         let right = Box2 { low: p, high: [f64::INFINITY, p[1]] };
         let mut inside = false;

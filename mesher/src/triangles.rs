@@ -1,4 +1,4 @@
-//! Delaunay triangles inside an outline, refined to the sizes that elements shall have.
+//! Delaunay triangles inside an outline, refined to the local element sizes.
 
 use crate::geometry::{Point, between, circumcentre, distance, turn};
 use crate::seeding::{Chord, Seeds, Style};
@@ -15,15 +15,15 @@ pub struct Triangles {
     pub corners: Vec<[usize; 3]>,
     /// For each corner of each triangle, the triangle across the opposite side; `NONE` if this is outside the plate.
     pub across: Vec<[usize; 3]>,
-    /// For each corner of each triangle, whether the opposite side is a chord of a piece.
+    /// For each corner of each triangle, whether the opposite side is a chord of the outline or of a line.
     pub fixed: Vec<[bool; 3]>,
 }
 
 /// Largest circumradius of a triangle relative to the element size there. Half of a square whose sides are 1.42 times
 /// the element size has 1.0.
 const LARGE: f64 = 1.1;
-/// Largest circumradius, likewise, for [`Style::Loose`], where refinement adds most nodes. Distances of nodes are then
-/// 0.8 to 1.6 element sizes.
+/// Largest circumradius relative to the element size for [`Style::Loose`], where refinement adds most nodes. Distances
+/// of nodes are then 0.8 to 1.6 element sizes.
 const LARGE_LOOSE: f64 = 0.8;
 /// Largest circumradius of a triangle relative to its shortest side (smallest angle 20°).
 const THIN: f64 = 1.42;
@@ -35,7 +35,7 @@ impl Triangles {
     ///
     /// # Errors
     ///
-    /// If chords of two arcs cross although the arcs do not: the points at which they cross.
+    /// Returns the points at which chords of two arcs cross although the arcs do not.
     pub fn new(
         seeds: &mut Seeds,
         sizes: &Sizes,
@@ -62,7 +62,7 @@ impl Triangles {
             let centre = circumcentre(a, b, c);
             let radius = distance(centre, a);
             let shortest = distance(a, b).min(distance(b, c)).min(distance(c, a));
-            // Elements have at most the size `largest`, so most triangles can be skipped.
+            // If all elements may have the size `largest`, small triangles of good shape are not refined.
             if !(radius > 0.6 * sizes.largest || radius > THIN * shortest || sizes.is_graded()) {
                 continue;
             }
@@ -124,7 +124,7 @@ fn triangulate(
         [high[0], high[1], 1.0, 1.0],
         [low[0], high[1], -1.0, 1.0],
     ];
-    // The library spade refuses coordinates that are smaller than this but not zero.
+    // The library spade refuses coordinates that are very small but not zero.
     let flush = |x: f64| if x.abs() < 1e-40 { 0.0 } else { x };
     let vertices: Vec<Point2<f64>> = points
         .iter()

@@ -19,14 +19,14 @@ const LONG: f64 = 2.1;
 /// search visits (`LOOKS`).
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
-/// Cost of each step of a search, in addition to the cost of the shape of its new element.
+/// Cost of moving the triangle by one quadrilateral, in addition to the cost of the shape of the new quadrilateral.
 const STEP: f64 = 0.05;
 
 /// Replaces pairs of triangles, and the quadrilaterals between the two, by quadrilaterals only.
 ///
 /// A triangle and an adjacent quadrilateral form a pentagon. It can be divided again with the triangle at another
-/// corner; in this way the triangle moves towards another triangle. Chords of pieces are kept. Before smoothing, all
-/// new quadrilaterals have at least the quality `least`.
+/// corner; in this way the triangle moves towards another triangle. Chords of the outline and of lines are kept. Before
+/// smoothing, all new quadrilaterals have at least the quality `least`.
 pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, sizes: &Sizes, least: f64) {
     let mut open: Vec<usize> = (0..elements.len()).filter(|&e| count(&elements[e]) == 3).collect();
     if open.len() < 2 {
@@ -70,8 +70,8 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     });
 }
 
-/// Element sides along pieces, in both directions. A side along an arc has the unit tangent of the arc at its first
-/// node.
+/// Element sides along the outline and along lines, in both directions. A side along an arc has the unit tangent of the
+/// arc at its first node.
 pub struct Chords(HashMap<[usize; 2], Option<Point>>);
 
 impl Chords {
@@ -161,7 +161,8 @@ impl Search<'_> {
                 let other = self.elements[n];
                 let m = count(&other);
                 let first = (0..m).find(|&k| other[k] == q).expect("the side is the element's");
-                // Corners of the polygon that both elements form, beginning with the apex of the triangle.
+                // Corners of the polygon that the triangle and its neighbour form, beginning with the apex of the
+                // triangle.
                 let mut ring = vec![apex, p];
                 ring.extend((2..m).map(|k| other[(first + k) % m]));
                 ring.push(q);
@@ -197,8 +198,8 @@ impl Search<'_> {
         let (_, mut at, end, mut made) = best?;
         let mut changed = Vec::new();
         while at != NONE {
-            // The last new quadrilateral replaces the element into which the last step moved. The steps before follow,
-            // back to `start`.
+            // The new quadrilateral of each step replaces the element into which the triangle moved in this step. The
+            // last step comes first here, and `start` last.
             changed.push((stops[at].into, made));
             made = stops[at].behind;
             at = stops[at].before;
@@ -228,7 +229,7 @@ impl Search<'_> {
         distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
     }
 
-    /// Whether the path of the search to the stop `at` has passed through `element`.
+    /// Whether the path of the search to the state `at` has passed through `element`.
     fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
         while at != NONE {
             if stops[at].into == element {

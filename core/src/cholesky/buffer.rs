@@ -5,10 +5,10 @@ use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
 /// Smallest buffer, in bytes, that is allocated by the operating system, which zeros pages at first access. Smaller
-/// buffers come from the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94
-/// s).
+/// buffers come from the allocator, which reuses freed memory (second factorization of 160×160 `mitc9`: 0.78 s instead
+/// of 0.94 s).
 ///
-/// Huge pages were tried. On a virtual machine that returns free pages to its host, they take longer to obtain.
+/// Huge pages are not used: on a virtual machine that returns free pages to its host, they take longer to obtain.
 const LARGE: usize = 1 << 25;
 
 /// An array of numbers, initially zeros.

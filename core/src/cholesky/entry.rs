@@ -48,7 +48,8 @@ impl Entry for f64 {
     }
 }
 
-/// The entries of one row in `LANES` right-hand sides. The bits of a lane do not depend on other lanes.
+/// The entries of one row in `LANES` right-hand sides. Results in a lane are the same to the last bit for any other
+/// lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
@@ -85,7 +86,8 @@ struct Run<'a, E, K> {
     kernel: PhantomData<K>,
 }
 
-/// An inner loop in which N registers hold eight numbers. If `count` is a constant, the loop is compiled for it.
+/// An inner loop over `count` columns, in which N registers hold eight numbers. A constant `count` is compiled
+/// separately.
 trait Kernel<E> {
     fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
 }
@@ -225,7 +227,8 @@ impl Kernel<Lanes> for Substitute {
     }
 }
 
-/// Number of columns of a panel that are processed together; their entries of x stay in registers.
+/// Number of columns of a panel that are processed together, so that the solution entries x of these columns stay in
+/// registers.
 const HALF: usize = PANEL / 2;
 
 impl Kernel<f64> for Eliminate {
@@ -287,10 +290,10 @@ impl Kernel<f64> for Substitute {
     }
 }
 
-/// Product of each of `count` columns with the vector, over the full blocks of `ROWS` rows.
+/// Scalar product of each of `count` columns of L with the vector, over the rows in full blocks of `ROWS` rows.
 ///
-/// The last block comes first, since backward substitution starts at the last column. Read in one direction, L comes
-/// from memory 1.5 times as fast. The sums are separate variables, since the compiler would keep an array in memory.
+/// Blocks are read from the last to the first, as backward substitution reads the columns: reading memory in one
+/// direction is 1.5 times as fast. The sums are separate variables, since the compiler would keep an array in memory.
 #[inline(always)]
 fn products<S: Simd, const N: usize>(simd: S, blocks: &[f64], count: usize, vector: &[f64]) -> [f64; PANEL] {
     let blocks = || blocks.chunks_exact(ROWS * count).zip(vector.chunks_exact(ROWS));

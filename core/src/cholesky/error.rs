@@ -11,8 +11,8 @@ pub enum FactorError {
     NotPositiveDefinite { column: usize },
     /// The factor does not fit into memory.
     OutOfMemory,
-    /// The factorization takes `bytes` of memory, more than `room`. This is determined from the pattern, before any
-    /// number is computed.
+    /// The factorization takes `bytes` of memory, but only `room` bytes are allowed. This follows from the pattern,
+    /// before any number is computed.
     TooLarge { bytes: usize, room: usize },
 }
 

@@ -12,17 +12,17 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Number of columns that are eliminated before the columns after them are updated.
+/// Number of columns that are eliminated as a block before the later columns are updated.
 const BLOCK: usize = 64;
-/// Number of columns that a thread updates at a time. It is fixed, so that the bits do not depend on the number of
-/// threads.
+/// Number of columns that a thread updates at a time. It is fixed, so that results are the same to the last bit for any
+/// number of threads.
 pub(super) const TILE: usize = 128;
-/// Number of rows below a block of columns for which a thread solves at a time.
+/// Number of rows below a diagonal block for which a thread does the triangular solve at a time.
 const ROWS: usize = 256;
 /// Number of columns of L in one matrix product of an update.
 const DEPTH: usize = 256;
-/// Smallest number of rows below a tile for which the tile's rows of L are copied to contiguous memory. Otherwise
-/// neighbours in a row are pages apart, and the product reads each row many times.
+/// Smallest number of rows below a tile of columns for which the tile's rows of L are copied to contiguous memory.
+/// Without the copy, neighbours in a row are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
 /// Allocates the workspace of the dense elimination; `None` if there is not enough memory.
@@ -30,7 +30,7 @@ pub(super) fn scratch() -> Option<MemBuffer> {
     MemBuffer::try_new(cholesky_in_place_scratch::<f64>(BLOCK, Par::Seq, Default::default())).ok()
 }
 
-/// Overwrites the lower trapezoid of `panel`, (height, width) by columns, with L.
+/// Overwrites the lower trapezoid of `panel`, a column-major array (height, width), with L.
 ///
 /// Returns the first column whose pivot does not have the sign given in `signs`, as an error.
 pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch: &mut MemBuffer) -> Result<(), usize> {
@@ -103,8 +103,8 @@ fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(
     )
 }
 
-/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ, stored as in `merge`. L₂ has the rows of L below the first `width`
-/// rows, `width` being the number of columns of L.
+/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ, stored by tiles as in `merge::triangle`. L₂ has the rows of L
+/// below the first `width` rows, `width` being the number of columns of L.
 pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
@@ -118,8 +118,8 @@ pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest
         .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Subtracts L S Lᵀ from `columns` of a symmetric matrix. The first of these is column `from` of the matrix; the first
-/// `skipped` rows are not stored.
+/// Subtracts L S Lᵀ from `columns` of a symmetric matrix, or replaces them by −L S Lᵀ (`accum`). The first of them is
+/// column `from` of the matrix; the first `skipped` rows are not stored.
 fn subtract_square(
     l: &[f64],
     height: usize,
@@ -158,8 +158,8 @@ fn subtract_square(
     }
 }
 
-/// Overwrites `rows` with `count` rows of a matrix whose columns have length `height`, from row `from` on. Each copied
-/// row is contiguous.
+/// Overwrites `rows` with `count` rows of a column-major matrix with `height` rows, from row `from` on. Each copied row
+/// is contiguous.
 fn copy_rows(columns: &[f64], height: usize, from: usize, count: usize, rows: &mut Vec<f64>) {
     /// Number of columns that are copied together: one row of them fills a cache line.
     const FEW: usize = 8;
@@ -199,7 +199,8 @@ mod tests {
         (0..WIDTH).map(|k| if is_negative(k) { -1.0 } else { 1.0 }).collect()
     }
 
-    /// A large front: some tiles are tall enough for copied rows, and an update takes two products of `DEPTH` columns.
+    /// The matrix is large: some tiles are tall enough for copied rows, and an update takes two products of `DEPTH`
+    /// columns.
     #[test]
     fn a_large_front_is_that_of_its_products() {
         for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {

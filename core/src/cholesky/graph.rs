@@ -10,7 +10,7 @@ pub struct Graph {
     pub(super) first: Vec<usize>,
     /// For each block, the index in `below` of its first neighbour.
     start: Vec<usize>,
-    /// Neighbours of every block that come after it, block by block.
+    /// Neighbours of each block that are eliminated after it, block by block.
     below: Vec<u32>,
 }
 

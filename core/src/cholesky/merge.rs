@@ -32,8 +32,8 @@ fn column(at: usize, order: usize) -> (usize, usize) {
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,
-    /// Indices of the child's runs in the list of all children's runs. The columns of the first `eliminated` runs are
-    /// eliminated by the parent.
+    /// Range of this child's runs of consecutive rows in the list of runs of all children. The parent eliminates the
+    /// columns of the first `eliminated` runs.
     runs: Range<usize>,
     eliminated: usize,
 }

@@ -64,8 +64,8 @@ impl Analysis {
         if bytes <= room { Ok(()) } else { Err(FactorError::TooLarge { bytes, room }) }
     }
 
-    /// Factors A = L S Lᵀ on all threads, with the signs S that the matrix gives. The bits do not depend on the number
-    /// of threads.
+    /// Factors A = L S Lᵀ on all threads, with the signs S that the matrix gives. The factor is the same to the last
+    /// bit for any number of threads.
     pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;
         let (values, weakest_pivot) = numeric::factorize(tree, parts, plan, matrix)?;
@@ -116,7 +116,7 @@ impl Factor {
     /// Overwrites each vector v in `rhs` with S L⁻¹ v; S = 1 if all pivots are positive. `rhs` has one vector, or
     /// several one after the other. [`backward`](Self::backward) then gives A⁻¹ v.
     ///
-    /// If there are several vectors, the bits of each result do not depend on the other vectors.
+    /// Each result is the same to the last bit with and without other vectors.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_forward(lanes));
@@ -134,8 +134,8 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites each vector v in `rhs` with A⁻¹ v; the vectors are one after the other. The bits of a result do not
-    /// depend on the other vectors or on their number.
+    /// Overwrites each vector v in `rhs` with A⁻¹ v; the vectors are one after the other. Each result is the same to
+    /// the last bit for any number of other vectors.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
             self.run_forward(lanes);

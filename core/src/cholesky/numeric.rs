@@ -16,7 +16,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(super) struct Plan {
     /// Number of entries of L in each part of the elimination tree.
     entries: Vec<usize>,
-    /// For each part, the number of entries in the update matrices of its roots.
+    /// For each part of the elimination tree, the number of entries in the update matrices that it leaves to its parent
+    /// part.
     left: Vec<usize>,
     /// For each part, the largest sizes of its two stacks of update matrices: one for supernodes of even depth, one for
     /// supernodes of odd depth.
@@ -62,8 +63,8 @@ impl Plan {
 
     /// Peak memory in bytes: L, update matrices that wait for their parents, and the workspace of each thread.
     pub(super) fn bytes(&self, parts: &Parts, threads: usize) -> usize {
-        // Largest size of the update matrices that wait below each part: `all` if all parts run at once, `ordered` if
-        // one thread runs the parts in order.
+        // Largest size of the update matrices that are stored at a time in each part and all parts below it: `all` if
+        // all these parts run at once, `ordered` if one thread runs them in order.
         let (mut all, mut ordered) = (vec![0; self.left.len()], vec![0; self.left.len()]);
         let (mut at_roots, mut most_ordered) = (0, 0);
         for (index, part) in parts.0.iter().enumerate() {
@@ -97,12 +98,12 @@ fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
 
-/// The column with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
+/// The column of the matrix with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
 pub(super) type WeakestPivot = (usize, f64);
 
 const NO_PIVOT: WeakestPivot = (0, f64::INFINITY);
 
-/// The pair with the smaller ratio. If the ratios are equal, the pair with the earlier column.
+/// The pair (column, ratio) with the smaller ratio. If the ratios are equal, the pair with the earlier column.
 fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
     if one.1 < other.1 || (one.1 == other.1 && one.0 <= other.0) { one } else { other }
 }
@@ -146,7 +147,7 @@ pub(super) fn factorize(
     failed.map_or(Ok((all, weakest)), Err)
 }
 
-/// The more severe of two errors; if both are columns with a wrong pivot, the earlier column. The result does not
+/// The more severe of two errors: lack of memory, then the earlier column with a wrong pivot. The result does not
 /// depend on which error occurred first.
 fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
     match (one, other) {
@@ -166,7 +167,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// Update matrices of the part's roots, which wait for their parents, one after the other.
+    /// Update matrices of the part's roots, one after the other, until the parents of the roots add them.
     left: Buffer,
 }
 

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Largest work of a part relative to the work of all parts: small enough for machines with many threads.
+/// Largest work of a part of the elimination tree, relative to the work of all parts: small enough for machines with
+/// many threads.
 const PART: f64 = 1.0 / 32.0;
 
 /// A part: a range of consecutive supernodes, with the part's parent and children in the tree of parts.
@@ -43,7 +44,8 @@ impl Parts {
         let total: f64 = work.iter().sum();
         let limit = if total < 4.0 * least { f64::INFINITY } else { least.max(PART * total) };
         let mut parts: Vec<Part> = Vec::new();
-        // The work of the last part, and the parent of its roots. `None` if no siblings may join the part.
+        // The work of the last part, and the parent of its roots; a sibling subtree may join this part. `None` if none
+        // may join.
         let mut open: Option<(f64, u32)> = None;
         for s in 0..count {
             if whole[s] > limit {
@@ -80,7 +82,7 @@ impl Parts {
         Self(parts)
     }
 
-    /// Runs `work` for each part after the children of the part, in parallel.
+    /// Runs `work` on all parts, in parallel; a part runs after its children.
     pub(super) fn bottom_up(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);
@@ -99,7 +101,7 @@ impl Parts {
         });
     }
 
-    /// Runs `work` for each part after the parent of the part, in parallel.
+    /// Runs `work` on all parts, in parallel; a part runs after its parent.
     pub(super) fn top_down(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);

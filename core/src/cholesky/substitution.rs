@@ -36,7 +36,7 @@ struct Supernode {
     height: usize,
     /// Position of the supernode's first column in the rows of the part.
     first: usize,
-    /// Index in `Share::below` of the supernode's first row below its columns.
+    /// Index in `Share::below` at which the rows below the supernode's columns begin.
     below: usize,
 }
 

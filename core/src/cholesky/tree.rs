@@ -15,7 +15,7 @@ pub(super) struct Tree {
     /// First child of each supernode (`head`), and the next child of the same parent (`next`).
     head: Vec<u32>,
     next: Vec<u32>,
-    /// For each supernode, the index in `below` of its first row below its columns.
+    /// For each supernode, the index in `below` at which the rows below its columns begin.
     start: Vec<usize>,
     /// Postorder indices of the rows below each supernode's columns, ascending; one supernode after the other.
     below: Vec<u32>,
@@ -77,7 +77,7 @@ impl Tree {
     }
 }
 
-/// Groups of blocks of the graph. They are the supernodes, first before and then after merging.
+/// Supernodes as groups of blocks of the graph, before and after children are merged into their parents.
 struct Groups {
     group_of: Vec<u32>,
     parent: Vec<u32>,
@@ -142,7 +142,7 @@ impl Groups {
                 }
             }
         }
-        // A group comes after all groups that were merged into it, so it is handled before them here.
+        // Groups are merged into groups of higher numbers, whose final targets are found first in this order.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }

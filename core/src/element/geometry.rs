@@ -6,8 +6,8 @@ use super::shape::{Shape, serendipity, triangular};
 use std::ops::Mul;
 use std::sync::LazyLock;
 
-/// Coordinates of an element's eight nodes relative to its first node. T is f64 for one element, or has a SIMD lane for
-/// each of several elements.
+/// Coordinates of an element's eight nodes relative to its first node. T is f64 for one element, or a SIMD register
+/// with one lane for each of several elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T = f64> {
     pub at: [[T; 2]; 8],

@@ -88,7 +88,7 @@ fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     })
 }
 
-/// Rows over all dofs that give the eight tied values: six values on the edges, then two means.
+/// Rows over all dofs that give the eight tied values of the covariant shear: six values on the edges, then two means.
 #[inline(always)]
 fn ties<T: Number>(geometry: &Geometry<T>) -> [[T; ALL_DOFS]; NUMBERS] {
     let number = |value: f64| geometry.at[0][0].like(value);
@@ -163,7 +163,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
             }
         }
     }
-    // The unused diagonal entries are set to a positive value, so that the form has an inverse.
+    // The unused diagonal entries of the shear form are set to a positive value, so that the form has an inverse.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
     let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));

@@ -20,8 +20,8 @@ pub(super) const TIES: usize = 5;
 pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 pub(super) const CENTRE: usize = DOFS;
 
-/// Reference point of tie 0 to 3 of the shear component γξ (`component` 0) or γη (1). The point is at ±1/√3 along the
-/// direction of the component and at ±1 across it, on an edge.
+/// Reference coordinates of tying point `tie` (0 to 3) of the shear component γξ (`component` 0) or γη (1). The point
+/// is on an edge: at ±1/√3 along the direction of the component and at ±1 across it.
 fn tying_point(component: usize, tie: usize) -> (f64, f64) {
     let along = if tie % 2 == 0 { -GAUSS } else { GAUSS };
     let across = if tie < 2 { -1.0 } else { 1.0 };
@@ -128,7 +128,7 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let [xi, eta] = rows.each_mut();
     for dof in 0..ALL_DOFS {
         let change = |row: &[[T; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
-        // The part of the mean shear that the edge values determine.
+        // The edge values contribute `skew` · `edges` to the mean shear; the fifth parameter gives the rest.
         let edges = (change(xi) - change(eta)) / number(12.0 * GAUSS);
         xi[4][dof] -= skew[0] * edges;
         eta[4][dof] -= skew[1] * edges;
@@ -212,8 +212,8 @@ impl<T: Number> Point<T> {
     }
 }
 
-/// Data of an element with bending and shear separate: bending at the integration points (`points`), shear as a
-/// quadratic form in the tied values (`form`). `rows` give the tied values from all dofs.
+/// Bending and shear of an element, kept separate: bending at the integration points (`points`), shear as a quadratic
+/// form in the tied values (`form`). `rows` give the tied values from all dofs.
 pub(super) struct Apart<T = f64> {
     pub(super) points: [Point<T>; 9],
     pub(super) form: [[T; 2 * TIES]; 2 * TIES],
@@ -284,7 +284,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };
         let (x, y) = (point.scale * gradient[i][0], point.scale * gradient[i][1]);
-        // Moments [mxx, myy, mxy], times weight, for a unit slope θx and for a unit slope θy of the node.
+        // Moments [mxx, myy, mxy], times weight, for a unit slope θx and for a unit slope θy of node i.
         let (mut first, mut second) = ([x; 3], [y; 3]);
         for a in 0..3 {
             first[a] = bending[a][0] * x + bending[a][2] * y;

@@ -62,7 +62,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { triangle, which, elements, put } = self;
         for which in which.chunks(S::F64_LANES) {
-            // Lanes without an element repeat the last element.
+            // SIMD lanes without an element repeat the last element.
             let of = |lane: usize| &elements[which[lane.min(which.len() - 1)]];
             let zero = Lanes::of(simd, |_| 0.0);
             let mut geometry = Geometry { at: [[zero; 2]; 8], triangle };

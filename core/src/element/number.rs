@@ -3,8 +3,8 @@
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// One number, or one number for each of several elements. The bits of an element do not depend on the elements in
-/// other lanes.
+/// One number, or one number for each of several elements. Results of an element are the same to the last bit with any
+/// elements in the other lanes.
 pub trait Number:
     Copy
     + Add<Output = Self>

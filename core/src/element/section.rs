@@ -77,7 +77,8 @@ impl Materials {
         &self.all
     }
 
-    /// Whether the indices of materials fit `elements` elements and refer to existing materials.
+    /// Whether each of `elements` elements has the index of an existing material. The list of indices may be empty if
+    /// there is one material.
     pub fn fit(&self, elements: usize) -> bool {
         let of_each = self.of.len() == elements && self.of.iter().all(|&number| (number as usize) < self.all.len());
         of_each || (self.of.is_empty() && self.all.len() == 1)
@@ -142,7 +143,8 @@ pub struct Layered {
     pub section: Vec<Section>,
 }
 
-/// Sections of one element at each of its points: by one thickness, by thicknesses, or directly.
+/// Sections of one element at each of its points: given by one thickness, by a thickness at each point, or by
+/// rigidities.
 #[derive(Clone, Copy, Debug)]
 pub enum Sections<'a> {
     Constant(f64),

@@ -16,15 +16,16 @@ use faer::{Mat, Side};
 /// Number of tied values of the shear in an element.
 pub const SHEARS: usize = 2 * TIES;
 
-/// Number of corrections of the condensed centre rotations. Each corrects the rounding error of the one before.
+/// Number of iterative corrections of the condensed centre rotations. Each removes the rounding error of the one
+/// before.
 const CENTRE_CORRECTIONS: usize = 2;
 
 /// If the ratio of shear to bending stiffness exceeds this value, an element's matrix keeps fewer than eight digits of
 /// bending.
 const BENDING_LOST: f64 = 1e8;
 
-/// Ratio of shear stiffness to bending stiffness over the width, in the reduced matrix of a very thin element. The
-/// ratio is large enough to constrain shear modes and small enough to keep the digits of bending.
+/// Ratio of shear stiffness to bending stiffness across the shorter side, in the reduced matrix of a very thin element.
+/// The ratio is large enough to constrain shear modes and small enough to keep the digits of bending.
 const SOFT_SHEAR: f64 = 1.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
@@ -107,7 +108,7 @@ pub fn shear_springs(
         alone[t][s] + turned.sum::<f64>()
     });
     let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
-    // Eigenvalues of C below this value are rounding errors of the condensed centre rotations.
+    // Eigenvalues of the shear compliance C below this value are rounding errors of the condensed centre rotations.
     let least = f64::EPSILON * eigen.S()[SHEARS - 1];
     let row =
         |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
@@ -143,7 +144,7 @@ fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
         }
         (0..SHEARS).for_each(|i| out[i][column] = x[i] * unit[i] * unit[column]);
     }
-    // The result is made symmetric to the last bit.
+    // The inverse is made symmetric to the last bit.
     std::array::from_fn(|i| std::array::from_fn(|j| out[i.max(j)][i.min(j)]))
 }
 
@@ -216,7 +217,7 @@ impl<'a> Strains<'a> {
         self.force = self.apart.form.map(|row| row.iter().zip(&self.shear).map(|(f, g)| f * g).sum());
     }
 
-    /// Couples on the two centre rotations by moments and shears. They are zero if the centre rotations are exact.
+    /// Couples on the two centre rotations from moments and shears. They are zero if the centre rotations are exact.
     fn centre_couple(&self) -> [f64; 2] {
         let mut couple = [0.0; 2];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -251,7 +252,7 @@ impl<'a> Strains<'a> {
         out
     }
 
-    /// For each nodal dof, the sum of the magnitudes of the terms in [`Strains::nodal`].
+    /// For each nodal dof, the sum of the magnitudes of the terms that [`Strains::nodal`] adds to a nodal force.
     pub fn magnitude(&self) -> [f64; DOFS] {
         let mut out = [0.0; DOFS];
         for (row, form) in self.apart.rows.iter().zip(&self.apart.form) {

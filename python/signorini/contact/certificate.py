@@ -22,10 +22,10 @@ from signorini.discretise.rows import Bools, Floats, Ints
 TOLERANCE = 1e-8
 """Largest error of a certified answer; each error is relative to the reference size stated in `Certificate`."""
 CERTIFIABLE = 1e-4
-"""Largest ``rounding`` and ``lost`` of a certified answer, see `Certificate`.
+"""Largest relative rounding error of a certified answer: ``rounding`` and ``lost`` of its `Certificate`.
 
-Rounding errors at the nodes add up as in a random walk, loads add up directly. So the error of the whole answer is
-hardly larger than this.
+Rounding errors at the nodes add up as in a random walk, loads add up directly. So the relative error of the whole
+answer is hardly larger than this.
 """
 _ROUNDINGS = 4.0
 """Largest imbalance at a node that counts as rounding, in machine epsilons times the internal and contact forces there.
@@ -36,16 +36,16 @@ NIL = 1e-6
 """Largest deflection, relative to F a²/D, that may be rounding of the elimination; F is the load, a the plate's size.
 """
 UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Factor 4ε/`TOLERANCE` = 9e-8 in reference sizes.
+"""Factor 4ε/`TOLERANCE` = 9e-8 by which a size contributes to a reference size.
 
-An error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size.
+An error of 4ε times the size is then `TOLERANCE` relative to the reference size, and passes.
 """
 _CANCELLED = CANCELLED / TOLERANCE
-"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel, whose rounding is `CANCELLED` times their size."""
+"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel: their sum is rounded by `CANCELLED` times their size."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 """Names of the errors of a certificate, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
-"""Errors that, if above the tolerance, are compared with the rounding of the plate's internal and support forces."""
+"""Names of the errors that may exceed the tolerance within the rounding of internal forces and support forces."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether each error is within the tolerance or its limit; ``rounding`` and ``lost`` within `CERTIFIABLE`."""
+        """Whether errors are within the tolerance or their limits, ``rounding`` and ``lost`` within `CERTIFIABLE`."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
@@ -182,7 +182,7 @@ class _Answers:
     imbalance: Floats
 
     def penetration(self) -> Floats:
-        """Largest (Gu − Cλ − g)₊ over contact points and |u − ū| over held dofs, relative to `length` or `slope`."""
+        """Largest (Gu − Cλ − g)₊ at contact points and |u − ū| at held dofs, relative to the reference for each."""
         held = self.discretisation.held
         slip = np.where(held.dofs, self.hi + self.lo - held.values, 0.0).reshape(len(self.hi), -1, 3)
         return maximum(
@@ -196,23 +196,23 @@ class _Answers:
         return largest_magnitudes(self._off_laws[2])
 
     def complementarity(self) -> Floats:
-        """Largest min(λ, g + Cλ − Gu), relative to the sizes of both; also the distance from the prescribed pieces."""
+        """Largest min(reaction λ, gap g + Cλ − Gu), in reference sizes; also the distance from prescribed pieces."""
         sizes = self._travels, self.reaction, self._lengths, self._units
         contacts = self.discretisation.contacts
         off = [self._off_laws[1], *(_off_pieces(contacts, pieces, *sizes) for pieces in self.pieces)]
         return largest_magnitudes(np.max(off, axis=0))
 
     def equilibrium(self) -> Floats:
-        """Largest |F − Ku − Gᵀλ| at free dofs, relative to `force_size`."""
+        """Largest |F − Ku − Gᵀλ| at free dofs, relative to the reference nodal force `force_size`."""
         residual = np.where(self.discretisation.held.dofs, 0.0, self.imbalance - self.pushes)
         return ratio(by_force(residual, self.element_size), self.force_size)
 
     def balance(self) -> Floats:
-        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to `resultant_size`."""
+        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to the reference resultant."""
         return ratio(self._resultants[0], self.resultant_size)
 
     def lost(self, row: int) -> float:
-        """``Certificate.lost`` (see there) of the answer with index ``row``."""
+        """Relative resultant of load and reactions that rounding of balanced loads may hide, for the answer ``row``."""
         discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
         if load.all_weighs or not load.weighing.any():
             return 0.0
@@ -236,8 +236,7 @@ class _Answers:
         resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
         rows = (np.concatenate(blocks) * arm[:, None])[acting]
         least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
-        # The reference force is at least half of the load per acting support force: nodal forces of a pressure have
-        # both signs.
+        # The reference force is at least half the load per acting force, as nodal forces of a pressure have both signs.
         return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
     def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
@@ -254,8 +253,7 @@ class _Answers:
         random_walk = np.sqrt(discretisation.dof_count)
         at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
         of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
-        # With settlements, loads may be zero: forces that bend the plate, and support forces, count as acting forces
-        # too.
+        # With settlements alone the loads are zero, so forces that bend the plate and support forces count as acting.
         deflection = float(np.abs(bending_part(discretisation, self.hi[row][None, ::3])).max())
         bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
         bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
@@ -315,7 +313,7 @@ class _Answers:
 
     @cached_property
     def length(self) -> Floats:
-        """Reference deflection (k,): the largest, at least that from rounding of loads, slopes and settlements."""
+        """Reference deflection (k,): the largest deflection, at least the rounding of loads, slopes and settlements."""
         held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
         size = self.discretisation.mesh.size
         prescribed = max(
@@ -333,7 +331,7 @@ class _Answers:
 
     @cached_property
     def slope(self) -> Floats:
-        """Reference slope (k,): the largest slope, or `length` over the plate's size if larger."""
+        """Reference slope (k,): the largest slope, or the reference deflection over the plate's size if larger."""
         slopes = self.hi.reshape(len(self.hi), -1, 3)[:, :, 1:]
         return maximum(largest_magnitudes(slopes), self.length / self.discretisation.mesh.size)
 
@@ -363,14 +361,14 @@ class _Answers:
 
     @cached_property
     def force_size(self) -> Floats:
-        """Reference nodal force (k,): the largest load, or without loads the largest force of a support."""
+        """Reference nodal force (k,): the largest nodal load, or without loads the largest force of a support."""
         by_load = by_force(self.nodal, self.element_size)
         by_supports = maximum(by_force(self.holding, self.element_size), self._largest_reaction)
         return maximum(np.where(by_load != 0.0, by_load, by_supports), self.least_force)
 
     @cached_property
     def reaction_size(self) -> Floats:
-        """Reference reaction (k,): the largest reaction, or `force_size` if larger."""
+        """Reference reaction (k,): the largest reaction, or the reference nodal force if larger."""
         return maximum(self.force_size, self._largest_reaction)
 
     @cached_property
@@ -401,14 +399,14 @@ class _Answers:
 
     @cached_property
     def _lengths(self) -> Floats:
-        """Reference travel (k, m) of each point: the reference deflection or slope; 1 where `length` is 0."""
+        """Reference travel (k, m) of each contact point: the reference deflection or slope; 1 without deflection."""
         at_points = np.maximum(self.travel, self.length[:, None])
         lengths = np.where(self.discretisation.contacts.slope, self.slope[:, None], at_points)
         return np.asarray(lengths + (self.length[:, None] == 0.0))
 
     @cached_property
     def _units(self) -> Floats:
-        """Reference reaction (k, m): `reaction_size`, 1 if that is 0; for couples times the plate size."""
+        """Reference reaction (k, m) of each point: `reaction_size`, or 1 if this is 0; for couples times plate size."""
         size = self.reaction_size
         unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
         return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])

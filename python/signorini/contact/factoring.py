@@ -32,10 +32,10 @@ _FEW = 300
 """Largest number of elastic contact points for which Lemke's algorithm is faster than the active set."""
 
 _FEW_IN_AREAS = 500
-"""Largest number of contact points of areas, elastic or rigid, for which Lemke's algorithm is faster."""
+"""Largest number of contact points of area supports, elastic or rigid, for which Lemke's algorithm is faster."""
 
 _FEW_RIGID = 3000
-"""Largest total number of contact points for which Lemke's algorithm is faster; most are rigid, along lines."""
+"""Largest total number of contact points for which Lemke's algorithm is faster; most are rigid points on lines."""
 
 _CARRIED = 100.0
 """Stiffness added to the factor at contact points that restrain the plate, relative to D/a².
@@ -47,7 +47,7 @@ It is about the stiffness of a plate under a point load.
 def method_of(discretisation: Discretisation) -> Method:
     """Return the method that the input prescribes, or for "auto" the faster method.
 
-    Without one-sided points the input's method is ignored: "lemke" then needs no pivot, and is taken for few points.
+    Without one-sided points the input's method is ignored: it is "lemke" for few points, and then needs no pivot.
     """
     asked, contacts = discretisation.model.solver.method, discretisation.contacts
     one_sided = ~contacts.two_sided
@@ -64,7 +64,7 @@ def method_of(discretisation: Discretisation) -> Method:
 def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
     """Whether a method's problem fits into the free memory and, for "lemke", has few enough contact points."""
     if method != "lemke":
-        # In the saddle-point system every contact point is an unknown; an element has nine dofs.
+        # Each contact point is an unknown of the saddle-point system; a mesh has about nine dofs for each element.
         more = len(discretisation.contacts) // 9 if method == "saddle" else 0
         return fits(needed(len(discretisation.mesh.elements) + more))
     points = len(discretisation.contacts)
@@ -76,10 +76,10 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
     if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":
-            advice = 'Leave solver.method at "auto", which condenses fewer.'
+            advice = 'Leave solver.method at "auto", which condenses fewer points.'
         if points > MOST_POINTS:
             raise InputError(
-                f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
+                f"Found {points} contact points to be condensed; at most {MOST_POINTS} can be condensed. {advice}",
                 place=("support",),
             )
         require_memory_for_points(points, advice, ("support",))
@@ -93,10 +93,10 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
-    """Order and factor for a method; ``carried`` (m,) is δ, the stiffness of each condensed point in K̃.
+    """Order and factor a problem for a method; ``carried`` (m,) is δ, the stiffness of each condensed point in K̃.
 
-    In the context of a `Reuse`, ordering and factor are those of the latest problem of the same plate if its supports
-    are the same except for laws, gaps and stiffnesses; the factor, only if these leave it unchanged.
+    In the context of a `Reuse`, the ordering is that of the latest problem of the same plate if its supports are the
+    same except for laws, gaps and stiffnesses. The factor is reused too if these do not change it.
     """
     free = available()
     elements, rows, further = contacts.rows.arrays
@@ -126,13 +126,13 @@ def core_problem(
     except RuntimeError as error:
         if discretisation.zones.element == "q8r":
             raise InputError(
-                "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
+                "The element q8r bends in some shapes without resistance, and here the supports do not prevent this. "
                 'Take element = "mitc9" or a finer mesh.',
                 place=("plate", "element"),
             ) from None
         why = (
-            "The plate's parts are too unlike for double precision: see that the thickness, the elements' sides and "
-            "the stiffnesses of the supports do not differ wildly."
+            "The parts of the plate differ too much for double precision. Reduce the differences of the thickness, of "
+            "the elements' sides and of the stiffnesses of supports."
         )
         raise InputError(f"The stiffness matrix cannot be factored: {error}. {why}", place=("plate",)) from None
     except MemoryError as error:

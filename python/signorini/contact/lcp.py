@@ -91,7 +91,7 @@ def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floa
     with np.errstate(divide="ignore"):
         compliance = unit / (scale * law.slopes)
     sign = np.where(upward, 1.0, -1.0)
-    # Increments of travel and force along each piece per unit of w or z.
+    # Increments of travel and force along each piece of the law, per unit of w or z.
     along = np.array([np.where(holds, compliance, 1.0), holds])
     result = np.zeros((2, len(vertex), 3))
     result[:, :, 1] = sign * along[:, beyond]
@@ -189,7 +189,8 @@ def lemke(
     start_basis = None if start is None else np.asarray(start)
     if start_basis is not None and (start_basis.dtype != np.bool_ or start_basis.ndim != 1):
         raise InputError(
-            f"found an array of {start_basis.dtype}, shape {start_basis.shape}; it must be one of bool, as basis is.",
+            f"found an array of {start_basis.dtype}, shape {start_basis.shape}; it must be a vector of bool, like "
+            "LcpSolution.basis.",
             place="start",
         )
     try:

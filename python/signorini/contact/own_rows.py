@@ -23,7 +23,7 @@ _REPEATED = 1e-10
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
-    """The paper's problem over the model's contact points, followed by additional rows of G; see `with_rows`.
+    """The contact problem of a model with additional rows of G after those of its contact points; see `with_rows`.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class RowProblem(Brief):
 
     @cached_property
     def G(self) -> csr_array:
-        """Rows (m + r, 3n) of the model's contact points, followed by the additional rows; Gu ≤ gaps."""
+        """Rows G (m + r, 3n) of the model's contact points, followed by the additional rows, with Gu ≤ gaps."""
         return csr_array(vstack([self.problem.G, self.rows]))
 
     @property
@@ -177,27 +177,30 @@ def with_rows(
     count, size = result.shape[0], problem.discretisation.dof_count
     if not all(law.only_pushes or law.straight for law, _ in problem.discretisation.contacts.by_law):
         raise InputError(
-            "found supports with a limit or a law; additional rows need supports without them.",
+            "found supports with a limit or a law; additional rows need a model without such supports.",
             place="problem",
         )
     if result.shape[1] != size:
-        raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")
+        raise InputError(
+            f"found an array of shape {result.shape}; it must have {size} columns, one for each dof.", place="G"
+        )
     bounds = _per_row(gaps, count, "gaps")
     compliance = np.zeros(count) if flexibility is None else _per_row(flexibility, count, "flexibility")
     equations = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
     if equations.shape != (count,) or equations.dtype != np.bool_:
         raise InputError(
-            f"found an array of {equations.dtype}, shape {equations.shape}; it must be {count} of bool, one a row.",
+            f"found an array of {equations.dtype}, shape {equations.shape}; it must have {count} bools, one for a row.",
             "two_sided",
         )
     if not np.isfinite(result.data).all():
-        raise InputError("found numbers that are not finite; all must be.", place="G")
+        raise InputError("found numbers that are not finite; all numbers must be finite.", place="G")
     if (compliance < 0).any():
-        raise InputError(f"found {compliance.min():g}; all must be 0 or more.", place="flexibility")
+        raise InputError(f"found {compliance.min():g}; all numbers must be 0 or more.", place="flexibility")
     without_effect = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (compliance == 0)
     if without_effect.any():
         raise InputError(
-            f"row {int(np.argmax(without_effect))} acts on held dofs alone, which cannot move. Leave it out.", place="G"
+            f"row {int(np.argmax(without_effect))} acts on held dofs alone, which cannot move. Leave this row out.",
+            place="G",
         )
     rows = RowProblem(problem, result, bounds, compliance, equations)
     problem.free(np.zeros(size))
@@ -207,5 +210,5 @@ def with_rows(
 def _per_row(value: ArrayLike, count: int, place: str) -> Floats:
     result = array(value, place, 1)
     if len(result) != count or not np.isfinite(result).all():
-        raise InputError(f"found {len(result)} numbers; they must be {count}, one a row, and finite.", place=place)
+        raise InputError(f"found {len(result)} numbers; they must be {count} finite numbers.", place=place)
     return result

@@ -28,7 +28,7 @@ from signorini.model import Model
 
 _PARTS = ("w", "θx", "θy")
 _NO_PART = 1e-14
-"""Zero tolerance for coefficients of a row whose sum is 1: a location in an element is rounded by about this much."""
+"""Zero tolerance for interpolation coefficients, whose sum is 1; a location in an element is rounded by about this."""
 Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
 """Function called with the number of a step, the number of points that changed in it, and the relative residual.
@@ -205,7 +205,7 @@ class ContactProblem(Statement, Remade):
     unmoved: ContactProblem | None = None
     """The problem with other gaps g whose factor this problem uses; see `moved`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
-    """The core's factored problems by method, as far as they have been needed.
+    """The core's factored problems by method; each is made when it is first needed.
 
     The factor of "dual" includes no contact point, see `_bare`.
     """
@@ -231,7 +231,7 @@ class ContactProblem(Statement, Remade):
         return self._cores[method]
 
     def without_factor(self) -> ContactProblem:
-        """Copy without the factor, which is computed again on first access."""
+        """Copy of the problem without its factor, which is computed again on first access."""
         unmoved = None if self.unmoved is None else self.unmoved.without_factor()
         return replace(self, reference=None, unmoved=unmoved, _cores={})
 
@@ -451,7 +451,7 @@ class ContactProblem(Statement, Remade):
         made_by(load, CaseLoad, _LOAD, "load")
         known(form, _FORMS, "form", "form", "The LCP")
         if start is not None:
-            made_by(start, Answer, "Take what solve returned for another load.", "start")
+            made_by(start, Answer, "Take an answer that solve returned for another load.", "start")
         held = self.discretisation.held.values
         form = self.better_form if form == "auto" else form
         near = self.reference if start is None else start.solution
@@ -493,4 +493,4 @@ def unfactored(discretisation: Discretisation) -> ContactProblem:
 
 def _require_one_plate(discretisation: Discretisation, what: str) -> None:
     if discretisation.plates:
-        raise InputError(f"{what} is of one plate, and there are several.", place="plates")
+        raise InputError(f"{what} is for models of one plate; found several plates.", place="plates")

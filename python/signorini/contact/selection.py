@@ -29,14 +29,14 @@ from signorini.discretise.rows import Bools, Floats, Pieces, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _AGAINST_EACH_OTHER = 1e6
-"""Largest ratio of the solver's largest reaction to the least-norm one at which the solver's answer is a fallback.
+"""The solver's answer is no fallback if its largest reaction exceeds that of the least-norm answer by this factor.
 
 Ten of sixteen digits remain in the sum of such reactions.
 """
 _ACTIVE = 1e-10
 """Zero tolerance for multipliers of inequalities, relative to the largest multiplier."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
-"""Rounding of each C_i·y of the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
+"""Rounding of each C_i·y at the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
 _NIL = 1e-11
 """Zero tolerance for forces and deflections, relative to the largest force or deflection."""
 _HARDLY = 1e-6
@@ -49,9 +49,9 @@ Points on one line leave the rotation about this line free.
 _MOVED = 1e-9
 """Smallest magnitude at which a component of a unit vector counts as nonzero."""
 _DOUBTFUL = 1e-9
-"""Zero tolerance of `doubtful`, wider than `_NIL`.
+"""Zero tolerance for combinations that may have several solutions, wider than `_NIL`.
 
-A combination that is wrongly marked as doubtful is only solved separately.
+A combination that is marked without need is solved separately, which only takes longer.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
@@ -188,7 +188,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # If every point is closed, gaps are rounding; the reference is the bending by the reactions.
+        # If every point is closed, gaps are rounding errors; the reference is then the bending that reactions cause.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
@@ -198,7 +198,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
-        # The eigenvalues are squares of displacements; hence the higher power of the tolerance.
+        # The eigenvalues are squares of displacements, which need a higher power of the tolerance.
         several |= values[:, 0] <= _DOUBTFUL**1.5 * values[:, -1]
     return several
 
@@ -304,7 +304,7 @@ def _with_least_deflection(
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            # At the start of a path, at zero load, all reactions are rounding.
+            # At the start of a load path, where the load is zero, all reactions are rounding errors.
             pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
@@ -339,8 +339,7 @@ def _with_least_deflection(
         unit = float(np.abs(deflection).max()) or 1.0
         part = least(moves, root * deflection / unit, sides, room / unit)
         hi, lo = discretisation.moved(hi, lo, unit * (motions @ part) / discretisation.sizes)
-        # If the solver left a free plate far from its supports, rounding of the motion also moves pushing points: move
-        # them back.
+        # After a large motion of a free plate, rounding has also moved the points that push; they are moved back.
         travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing], rcond=None)[0]
         hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
@@ -428,13 +427,13 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
         multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
     except RuntimeError:
         return np.zeros(len(r))
-    # Active constraints are solved again as equations, to full accuracy. The multiplier of an active constraint may be
-    # within rounding of 0; such a constraint is added when it is violated.
+    # Active constraints are solved again as equations, to full accuracy.
+    # The multiplier of an active constraint may be rounded to 0; such a constraint is added when it is violated.
     on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
     for _ in kept:
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # y is computed from the unconstrained minimum, and has its rounding.
+        # y is computed from the unconstrained minimum, so it has at least the rounding error of this minimum.
         rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():

@@ -52,7 +52,7 @@ _PUSHING = 100.0
 """Least Σ|reactions|/Σ|loads| at which a message gives supports that push against each other as the reason."""
 _MARGINAL = (
     "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
-    "other, or give the rigid ones a stiffness."
+    "other, or give rigid supports a stiffness."
 )
 
 
@@ -153,7 +153,7 @@ def answered(
     beside: Sequence[CaseLoad] = (),
     start: Answer | None = None,
 ) -> Tried:
-    """Solve one load and certify the answer; after a failure try the other form and every other method.
+    """Solve one load and certify the answer; after a failure try the other form of the LCP and every other method.
 
     Fallback methods have a `Budget`. ``progress`` is called in all methods, and an exception in it ends the solve.
     ``beside`` are the loads whose sum this load is, see `certify`. The problem's own method starts from ``start``, an
@@ -201,17 +201,17 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
     why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:
         vain = (
-            f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
-            "certifies nothing."
+            f" Rounding errors may be {certificate.rounding:.0e} of the acting forces; an answer is certified if they "
+            f"are at most {CERTIFIABLE:g}."
         )
         why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
-    # If another error failed too, the message gives the reason of that error.
+    # The lost load is given as the reason only if all other errors of the certificate pass.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
-            "the other loads are lost in its rounding. Correct it, or give it a combination of its own."
+            "the other loads are lost in its rounding. Correct this load, or give it a combination of its own."
         ]
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
@@ -226,7 +226,7 @@ def uncertain(discretisation: Discretisation) -> str:
 def _of_element(discretisation: Discretisation) -> str:
     if discretisation.zones.element != "q8r":
         return ""
-    return 'Elements of q8r bend in some shapes with hardly any resistance: "mitc9" may do better.'
+    return 'Elements of q8r bend in some shapes with hardly any resistance. Try element = "mitc9".'
 
 
 def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> str:
@@ -239,7 +239,7 @@ def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer)
         int(np.abs(discretisation.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3
     ]
     return (
-        f"Supports near {point(where)} push against each other with forces that outweigh all others, "
-        "and so does their rounding. Leave out those that nearly repeat each other, give the rigid ones a stiffness, "
+        f"Supports near {point(where)} push against each other with forces that exceed all other forces, "
+        "and so does their rounding. Leave out supports that nearly repeat others, give rigid supports a stiffness, "
         "or correct a settlement."
     )

@@ -80,7 +80,7 @@ def _elements(data: meshio.Mesh) -> tuple[Ints, Bools]:
     if others:
         raise InputError(
             "The mesh has cells that are not 8- or 9-node quadrilaterals or 6-node triangles: "
-            f"{', '.join(others)}. Use only these (in Gmsh: Mesh.ElementOrder = 2, "
+            f"{', '.join(others)}. Use only second-order elements (in Gmsh: Mesh.ElementOrder = 2, "
             "Mesh.SecondOrderIncomplete = 1; for quadrilaterals where possible Mesh.RecombineAll = 1)."
         )
     blocks = [block for block in data.cells if block.type in _NODES]
@@ -182,7 +182,7 @@ def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
 
 
 def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str, Ints]:
-    """Edges from named groups of nodes: the outline's sides of which the group has all nodes."""
+    """Edges from named groups of nodes: a side of the outline belongs to the edge if the group has its three nodes."""
     edges = {}
     for name, members in data.point_sets.items():
         inside = np.zeros(int(number.max()) + 1, dtype=bool)

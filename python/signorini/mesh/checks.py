@@ -18,7 +18,7 @@ _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
 """Reference points at which det J of degenerate quadrilaterals is checked; on the collapsed side det J = 0."""
 _COINCIDENT = 1e-9
-"""Largest distance from a side of a node that counts as on it, relative to the mesh's size."""
+"""Largest distance from a side at which a node counts as on the side, relative to the mesh's size."""
 _STRAIGHT = 1e-9
 """Largest ratio of rise to chord of an element side that counts as straight."""
 _CHORDS = 32
@@ -118,8 +118,8 @@ def check_sides(points: Floats, elements: Ints) -> None:
     for wrong, midside in ((thrice | mismatched, sides[1:, 1]), (split, sides[by_pair[1:], 1])):
         if wrong.any():
             raise InputError(
-                "Two elements may share a side only with the same two corners and the same midside node, and no "
-                f"third may; this fails at midside {_name_node(points, int(midside[np.argmax(wrong)]))}."
+                "Elements that share a side must have the same corners and the same midside node there, and at most "
+                f"two may share it; this fails at midside {_name_node(points, int(midside[np.argmax(wrong)]))}."
             )
 
 
@@ -198,7 +198,7 @@ def check_one_piece(points: Floats, elements: Ints) -> None:
         names = [name_element(points, elements, int(np.argmax(piece == i))) for i in range(min(count, 3))]
         raise InputError(
             f"The mesh is in {count} pieces that share no side: {'; '.join(names)}{'; …' if count > 3 else ''}. "
-            "Join them, or make each its own model."
+            "Join the pieces, or make a model of each piece."
         )
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
-"""Relative tolerance for equal coordinates, of the interval, and for equal sizes, of the larger size."""
+"""Tolerance for equal coordinates, relative to the interval, and for equal sizes, relative to the larger size."""
 _MAX_RATIO = 3.0
 """Largest ratio of the element sizes on both sides of a line that `subdivide` follows."""
 
@@ -50,7 +50,7 @@ def subdivide(
 
 
 def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Joints (count + 1,) at as many wanted lines as possible, including all ``kept`` lines; the followed lines."""
+    """Joints (count + 1,) at all ``kept`` lines and as many other wanted lines as possible; the lines with joints."""
     start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
     while any(np.abs(equal[first:] - line).min() > same for line in wanted):
@@ -110,13 +110,13 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
 
 
 Cap = tuple[float, float, float]
-"""Start and end of an interval, and the largest element size in it."""
+"""Limit of the element size: start and end of an interval, and the largest element size in it."""
 
 STEEPEST = 1.3
 """Largest ratio of neighbouring element sizes in a graded division."""
 
 _SHORTEST = 0.5
-"""Smallest distance between two lines, relative to the element size there; a closer line is skipped."""
+"""Smallest distance between two lines with joints, relative to the element size there; a closer line is skipped."""
 _SAMPLES = 4000
 """Number of points of the numerical integral of 1/(element size) between two lines."""
 _ROUNDS = 50
@@ -131,7 +131,7 @@ def graded(
     lines: Sequence[float] = (),
     lesser: Sequence[float] = (),
 ) -> Floats:
-    """Divide an interval into elements of at most ``size``, and smaller ones in ``caps``, with joints at lines.
+    """Divide an interval into elements of at most ``size``, smaller in the intervals ``caps``, with joints at lines.
 
     Outside a cap the largest size grows by ln 1.3 times the distance, so that neighbours differ by 1.3 at most. Between
     lines the joints divide ∫ dx/size equally. Elements that are still too small for their neighbours become caps. Lines
@@ -155,7 +155,7 @@ def graded(
 def _kept(
     start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
 ) -> list[float]:
-    """Ends of the interval and the lines between, at least half an element apart; earlier groups have priority."""
+    """Ends of the interval and lines inside it at least half an element apart; earlier groups have priority."""
     knots = [start, stop]
     for line in (line for group in groups for line in sorted(group)):
         least = _SHORTEST * float(_size(np.array([line]), size, caps)[0])

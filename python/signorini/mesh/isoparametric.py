@@ -149,7 +149,7 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
         step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)
         done = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
-        # Far from the origin, rounding may keep the steps above the tolerance; the residual below decides then.
+        # Far from the origin, rounding may keep steps above the tolerance; then the residual decides after the loop.
         xi[active], converged[active] = moved, done
         active = active[~done]
     if len(active):

@@ -32,7 +32,7 @@ _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
 _TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
 """Quadrature points of the triangle, with equal weights: exact for quadratic functions, such as det J."""
 _ON_EDGE = 1e-9
-"""Largest distance from a side, in reference coordinates, of a point that counts as on it."""
+"""Largest distance from a side, in reference coordinates, at which a point counts as on the side."""
 _RELATIVE_GAP = 0.1
 """Bound of the distance between a circle and the parabola of an element side, relative to the rise of the parabola over
 its chord. It is twice the actual distance for sides of up to 90°."""
@@ -176,7 +176,7 @@ class Mesh(Remade):
 
     @property
     def near(self) -> Tolerances:
-        """Largest distances of points of this mesh that count as equal."""
+        """Largest distances at which points count as equal, for the size of this mesh."""
         return Tolerances(self.diameter)
 
     @cached_property
@@ -455,7 +455,7 @@ class Mesh(Remade):
 
     @cached_property
     def _rounding(self) -> Floats:
-        """Largest distance (ne,) from a side, in reference coordinates, of points that count as on it."""
+        """Largest distance (ne,) from a side, in reference coordinates, at which a point counts as on the side."""
         lower, upper = maps.bounds(np.moveaxis(self.nodes, 1, 0))
         extent = (upper - lower).min(axis=1)
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)

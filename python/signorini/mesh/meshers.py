@@ -81,8 +81,8 @@ def _joints(
         within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
         return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
 
-    # The direction of division matters only if several divisions are equally good. Otherwise the forward division is
-    # used, whose coordinates keep their digits.
+    # If several divisions are equally good, the axes decide in which direction the side is divided.
+    # Otherwise the forward division is used, whose coordinates keep their digits.
     forward = along(1.0)
     if axes[0][axis] + axes[1][axis] > 0:
         return forward
@@ -217,7 +217,7 @@ def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
 
 
 def _core_outline(rows: Ints, quarters: int) -> Ints:
-    """Node numbers of the core's outline, counter-clockwise from the lower right corner, or from start to end."""
+    """Node numbers of the core's outline, counter-clockwise from the lower right corner; in a sector to its end."""
     walk = [rows[:, -1], rows[-1, -2::-1]]
     if quarters > 1:
         walk.append(rows[-2::-1, 0])
@@ -325,8 +325,8 @@ def divided(mesh: Mesh, times: int = 1) -> Mesh:
 
 def _halved(mesh: Mesh) -> Mesh:
     n = mesh.node_count
-    # New nodes: the quarter points of each side; center and four midsides inside each quadrilateral; three midsides
-    # inside each triangle.
+    # New nodes on the sides of elements are the quarter points of each side.
+    # New nodes inside a quadrilateral are its center and four midsides, inside a triangle three midsides.
     sides = mesh.unique_sides
     number = np.full(n, -1)
     number[sides[:, 1]] = np.arange(len(sides))
@@ -343,7 +343,7 @@ def _halved(mesh: Mesh) -> Mesh:
     centre = n + 2 * len(sides) + 5 * np.arange(len(squares))
     joint = n + 2 * len(sides) + 5 * len(squares) + 3 * np.arange(len(triangles))
 
-    # Quarter points of the sides of each element, in the direction in which the element has the side.
+    # Quarter points of the sides of each element, in counter-clockwise order around the element.
     first = n + 2 * number[mesh.sides[..., 1]]
     along = sides[number[mesh.sides[..., 1]], 0] == mesh.sides[..., 0]
     near, far = np.where(along, first, first + 1), np.where(along, first + 1, first)

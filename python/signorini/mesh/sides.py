@@ -20,7 +20,7 @@ _STEPS = 8
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Element sides (k, 3, 2) as corner, midside, corner; `nearest` ignores those farther than ``within``."""
+    """Element sides (k, 3, 2) as corner, midside, corner; `nearest` ignores sides beyond the distance ``within``."""
 
     nodes: Floats
     within: float
@@ -54,7 +54,7 @@ class Sides:
 
 
 def onto(sides: Floats, points: Floats) -> Floats:
-    """Position (k, 2) on each side (k, 3, 2) nearest to its point (k, 2), or to the only point (2,)."""
+    """Position (k, 2) on each side (k, 3, 2) nearest to its point (k, 2), or to one point (2,) for all sides."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
     t = np.zeros((len(a), 1))

@@ -25,7 +25,7 @@ def errors(problem: Problem, solution: Solution) -> dict[str, float]:
         return max(force, couple / part.element_size)
 
     def reach(values: Floats) -> float:
-        """Σ |F_i| maxⱼ |R_ij| of nodal forces F (3n,)."""
+        """Sum Σ |F_i| maxⱼ |R_ij| over all ranks, for nodal forces F (3n,) and rigid motions R."""
         return total((np.abs(values) * np.abs(part.motions).max(axis=1))[owned])
 
     def total(values: Floats) -> float:

@@ -91,7 +91,7 @@ class Engine:
         results: dict[str, Result] = {}
         discretisation: Discretisation | None = None
         for combination in model.effective_combinations:
-            # Only one discretisation is in memory.
+            # The discretisation of the previous combination is released, so that only one is in memory.
             discretisation = None
             results[combination.name], discretisation = _result(self.ranks, model, combination, show, seconds)
         seconds["recover"] = sum(result.seconds for result in results.values())
@@ -121,7 +121,7 @@ class Engine:
 def _result(
     ranks: Ranks, model: Model, combination: Combination, show: Show, seconds: dict[str, float]
 ) -> tuple[Result, Discretisation]:
-    """Result of one combination."""
+    """Result of one combination, and the discretisation on which it was computed."""
     arguments, order, unbalanced = _posed(ranks, model, combination, show, seconds)
     if unbalanced:
         discretisation = _discretised(ranks, model, show, seconds)
@@ -135,7 +135,7 @@ def _result(
     least = chosen(discretisation, freedom, load.nodal, answer)
     certificate = Certificate(**found[0]["errors"])
     if least is not answer or not certificate.passed or not (load.all_weighs or not load.weighing.any()):
-        # Another answer, or errors that have to be compared with their rounding.
+        # Rank 0 certifies again if it chose another answer, or if errors must be compared with their rounding.
         least, certificate = certified(discretisation, load, least)
     if not certificate.passed:
         why = refusal(combination.name, discretisation, load, least, certificate)
@@ -148,7 +148,7 @@ def _posed(
 ) -> tuple[Iterator[tuple[Part, Steps | None]], Ints, str]:
     """Arguments of the ranks' jobs, the order of nodes, and the reason why no reactions balance the load, or "".
 
-    The arguments release the discretisation when they are sent, so that rank 0 has its memory for the factor.
+    The discretisation is released when the arguments are sent, so that rank 0 has its memory for the factor.
     """
     discretisation = _discretised(ranks, model, show, seconds)
     require_checks(discretisation)
@@ -224,12 +224,13 @@ def _require_plain(model: Model) -> None:
     for where, given, what in found:
         if given:
             raise InputError(
-                f"The engine petsc does not solve models with {what}. Leave that out, or take --engine embedded.", where
+                f"The engine petsc does not solve models with {what}. Leave this out, or take --engine embedded.",
+                where,
             )
 
 
 def _require_handled(discretisation: Discretisation) -> None:
-    """Refuse laws other than λ = k max(s, 0) and straight ones; a law follows from several keys of a support."""
+    """Refuse supports whose law, which depends on several keys, is neither λ = k max(s, 0) nor straight."""
     contacts = discretisation.contacts
     handled = np.array([law.only_pushes or law.straight for law in contacts.laws], np.bool_)[contacts.law]
     if not handled.all():

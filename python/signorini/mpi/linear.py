@@ -12,9 +12,9 @@ from signorini.errors import SignoriniError
 from signorini.mpi.parts import Part
 
 _WORKSPACE_SHORT = (-8, -9, -14, -15, -17, -20)
-"""Errors of MUMPS, INFOG(1), if its estimate of the workspace was too small."""
+"""Error codes of MUMPS, INFOG(1), for a workspace that is smaller than needed."""
 _MEMORY = (*_WORKSPACE_SHORT, -11, -12, -13)
-"""Errors of MUMPS if there is not enough memory."""
+"""Error codes of MUMPS, INFOG(1), for lack of memory."""
 _WORKSPACE, _MOST_WORKSPACE = 30, 2000
 """First and largest workspace above the estimate of MUMPS in percent, ICNTL(14)."""
 
@@ -60,7 +60,7 @@ class Equations:
         added_rows = np.concatenate([[0], np.cumsum(upper)])[added.indptr].astype(np.int32)
         triangle = rows, self._dofs[column[first:last]], value[first:last]
         if self._matrix is None:
-            # The pattern of K contains those of all supports.
+            # The pattern of K contains the patterns of all supports.
             inner = np.concatenate([[0], np.cumsum(triangle[1] <= self._dofs[self._owned.stop - 1])])[rows]
             counts = np.diff(inner).astype(np.int32), (np.diff(rows) - np.diff(inner)).astype(np.int32)
             self._matrix = self._petsc.Mat().createSBAIJ(self._sizes, 1, nnz=counts, comm=self._communicator)
@@ -71,7 +71,7 @@ class Equations:
         self._matrix.assemble()
 
     def factor(self) -> None:
-        """Factor the matrix; no array that filled it should still be in memory."""
+        """Factor the matrix; the caller should have released the arrays that filled it."""
         code = self._factored()
         while code in _WORKSPACE_SHORT and self._workspace < _MOST_WORKSPACE:
             self._workspace *= 4
@@ -79,12 +79,12 @@ class Equations:
             self._solver.setType("none")
             code = self._factored()
         if code in _MEMORY:
-            raise SignoriniError("Not enough memory for the factor. Take more ranks, nodes, or a coarser mesh.")
+            raise SignoriniError("Not enough memory for the factor. Take more ranks or machines, or a coarser mesh.")
         if code < 0:
             raise SignoriniError(f"The stiffness matrix cannot be factored: error {code} of MUMPS.")
 
     def _factored(self) -> int:
-        """Factor the matrix, ordered before the first time; return INFOG(1) of MUMPS, negative after an error."""
+        """Factor the matrix, the first time after ordering it; return INFOG(1) of MUMPS, negative after an error."""
         if self._solver.getType() != "cholesky":
             self._solver.setOperators(self._matrix)
             self._solver.setType("cholesky")
@@ -98,7 +98,7 @@ class Equations:
         return int(self._solver.getFactorMatrix().getMumpsInfog(1))
 
     def solve(self, right: Floats) -> Floats:
-        """Solve for a right-hand side (3n,), of which the owned entries count; return the values of all nodes (3n,)."""
+        """Solve for a right-hand side (3n,), used at the rank's own nodes; return the values of all nodes (3n,)."""
         self._right.setArray(np.where(self._held, 0.0, right)[self._owned])
         self._solver.apply(self._right, self._solution)
         self._scatter.scatter(self._solution, self._local, addv=False, mode=False)

@@ -24,19 +24,19 @@ _STEPS = 200
 _SETTLED = 4e-15
 """Correction at convergence, relative to the largest deflection."""
 _NEAR = 1e-9
-"""Largest relative correction at which a correction that hardly shrinks ends the iteration: rounding is reached."""
+"""If relative corrections below this hardly shrink, they are rounding errors and the iteration ends."""
 _SHRINKS = 0.5
 """Largest ratio of successive corrections that counts as progress."""
 _GROWTH = 100.0
-"""Ratio of the penalties of two stages, as long as it does not exceed the largest penalty."""
+"""Ratio of the penalties of two consecutive stages; the penalty does not exceed the largest penalty."""
 _FLAT = 1e-3
 """Largest slope of the energy at the end of a line search, relative to the slope at its start."""
 _SEARCHES = 60
 """Largest number of evaluations of the slope in a line search."""
 _FREE = 1e-9
-"""Smallest eigenvalue of the contact set's RᵀGᵀGR at which it restrains the plate, relative to that of all points."""
+"""Contact sets with a least eigenvalue of RᵀGᵀGR above this part of the largest for all points restrain the plate."""
 _SOFT = 1e-3
-"""Stiffness of open points, relative to closed ones, in the matrix of a set that does not restrain the plate."""
+"""Stiffness of open points, relative to closed points, if the contact set does not restrain the plate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class Problem:
         self.free = self.owned & ~part.held
 
     def sum(self, values: Floats) -> Floats:
-        """Sum of arrays over the ranks."""
+        """Sum of the arrays ``values`` of all ranks."""
         result = np.empty_like(values)
         self.communicator.Allreduce(np.ascontiguousarray(values), result)
         return result
@@ -77,7 +77,7 @@ class Problem:
         return float(np.max(self.communicator.allgather(float(np.abs(values).max(initial=0.0)))))
 
     def residual(self, hi: Floats, lo: Floats) -> Floats:
-        """F − Ku (3n,) of plate and springs; right at the nodes that the rank owns."""
+        """Residual F − Ku (3n,) of plate and springs; it is complete at the nodes that the rank owns."""
         return self.plate.residual(self.part.springs.arrays, self.part.nodal, hi, lo)
 
     def travel(self, hi: Floats, lo: Floats) -> Floats:
@@ -86,7 +86,7 @@ class Problem:
         return -self.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
 
     def times(self, u: Floats) -> Floats:
-        """K u (3n,), with springs."""
+        """Product K u (3n,) at displacements u, with K of plate and springs."""
         return -self.plate.residual(self._at_rest, np.zeros_like(u), u, np.zeros_like(u))
 
     def supports(self, stiffness: Floats) -> csr_array:
@@ -133,7 +133,7 @@ class _Newton:
         self.steps = self.factorizations = 0
 
     def solution(self) -> Solution:
-        """Iterate until the corrections are rounding, at the largest penalty."""
+        """Iterate up to the largest penalty, and until the corrections are rounding errors."""
         converged, last = False, np.inf
         while self.steps < _STEPS and not converged:
             self.steps += 1
@@ -221,7 +221,7 @@ class _Newton:
             return 1.0
         length = 1.0
         for _ in range(_SEARCHES):
-            # The slope does not decrease; the secant and the midpoint take turns.
+            # The energy is convex, so its slope increases along the step; secant and bisection alternate.
             length = low[0] - low[1] * (high[0] - low[0]) / (high[1] - low[1])
             for tried in (length, 0.5 * (low[0] + high[0])):
                 value = slope(tried)

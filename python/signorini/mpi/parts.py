@@ -18,7 +18,7 @@ from signorini.discretise.rows import Bools, Floats, Ints, Rows
 _PENALTY = 1e4
 """Largest penalty of a rigid point, relative to the shear stiffness of its element; as in the core."""
 _FIRST = 0.01
-"""First penalty, relative to (h/element size)² of the shear stiffness; as in the core."""
+"""First penalty of a rigid point, relative to the shear stiffness times (h/element size)²; as in the core."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Division:
 
     @classmethod
     def of(cls, discretisation: Discretisation, ranks: int) -> Division:
-        """Divide by recursive bisection of the element centroids; a node belongs to the lowest rank at it."""
+        """Divide by recursive bisection of the element centroids; a node belongs to the lowest rank of its elements."""
         mesh = discretisation.mesh
         owner = bisected(mesh.points[mesh.elements[:, :4]].mean(axis=1), ranks)
         at_nodes = np.full(mesh.node_count, ranks, np.int64)
@@ -149,7 +149,7 @@ def parts_of(discretisation: Discretisation, division: Division, load: CaseLoad)
 
 
 def _within(table: ContactPoints, number: Ints) -> tuple[ContactPoints, Ints]:
-    """Points whose element has a number, with elements by these numbers, and the indices (m,) of these points."""
+    """Points of ``table`` in elements with ``number`` ≥ 0, renumbered by it, and the indices (m,) of these points."""
     which = number[table.rows.elements] >= 0
     kept = table.pick(which)
     rows = Rows(number[kept.rows.elements], kept.rows.coefficients)
@@ -157,7 +157,7 @@ def _within(table: ContactPoints, number: Ints) -> tuple[ContactPoints, Ints]:
 
 
 def _plate(discretisation: Discretisation, nodes: Ints, elements: Ints, chosen: Ints, number: Ints) -> ElementsForCore:
-    """Arguments of `_core.Plate` for some elements, of which ``elements`` are the nodes."""
+    """Arguments of `_core.Plate` for the ``chosen`` elements, whose nodes in the part are ``elements``."""
     whole = elements_for_core(discretisation.mesh, discretisation.zones, discretisation.thickness, discretisation.held)
     part = whole._replace(points=whole.points[nodes], elements=elements)
     if not isinstance(whole.thickness, float):

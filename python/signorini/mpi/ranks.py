@@ -12,7 +12,7 @@ from typing import Any
 from signorini.errors import SignoriniError
 
 _WAIT = 0.005
-"""Seconds between two looks for the next job. MPI itself waits at full load, which would slow rank 0 down."""
+"""Seconds between two checks for the next job. MPI itself waits at full load, which would slow rank 0 down."""
 Job = Callable[[Any, Any], Any]
 """Function of communicator and argument, called on every rank with the rank's argument."""
 
@@ -30,7 +30,7 @@ class Ranks:
         try:
             import petsc4py
 
-            # PETSc would replace the handlers of the command.
+            # PETSc must not replace the signal handlers of the command.
             petsc4py.init(["-no_signal_handler"])
             from mpi4py import MPI
             from mpi4py.util import pkl5
@@ -41,7 +41,7 @@ class Ranks:
             ) from None
         self._jobs = jobs
         self._communicator: Any = MPI.COMM_WORLD
-        # It sends arrays without a copy, and of more than 2 GB.
+        # This communicator sends arrays without a copy, also those of more than 2 GB.
         self._sending: Any = pkl5.Intracomm(MPI.COMM_WORLD)
         beside = MPI.COMM_WORLD.Split_type(MPI.COMM_TYPE_SHARED)
         self.machines = int(MPI.COMM_WORLD.allreduce(int(beside.rank == 0)))
@@ -64,7 +64,7 @@ class Ranks:
         own = next(every)
         for rank in range(1, self.count):
             self._sending.send((name, next(every)), rank)
-        # Ends a generator, which may refer to large arrays.
+        # Ends the generator of arguments, which may refer to large arrays.
         next(every, None)
         return self._gathered(name, own)
 
@@ -87,14 +87,14 @@ class Ranks:
         try:
             result = self._jobs[name](self._communicator, argument)
         except SignoriniError as error:
-            # Every rank finds the same fault, so that all of them come here.
+            # Every rank raises this error, so that all ranks reach the gather below.
             result = error
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:
             if self.count == 1:
                 raise
-            # The other ranks wait for this one in vain.
+            # The other ranks would wait for this rank for ever, so all ranks are aborted.
             traceback.print_exc()
             kind = "not enough memory" if isinstance(error, MemoryError) else f"{type(error).__name__}: {error}"
             sys.stderr.write(f"Error on rank {self.rank}: {kind}. All ranks end; no files are written.\n")
