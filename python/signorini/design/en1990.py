@@ -84,7 +84,7 @@ CLAUSES: Mapping[str, tuple[str, str]] = {
     "frequent": ("Σ Gk + P + ψ1,1 Qk,1 + Σ ψ2,i Qk,i", "6.5.3 (2)b, Eq. (6.15b); Table A1.4"),
     "quasi-permanent": ("Σ Gk + P + Σ ψ2,i Qk,i", "6.5.3 (2)c, Eq. (6.16b); Table A1.4"),
 }
-"""Sum of the actions by each rule, and its clause."""
+"""Each rule's sum of actions, in the symbols of EN 1990, and the rule's clause."""
 
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:

@@ -204,7 +204,7 @@ def _said(
 
 
 _ACROSS = 3
-"""Largest number of panels side by side."""
+"""Largest number of panels side by side in a picture."""
 _PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 
