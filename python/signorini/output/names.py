@@ -148,7 +148,7 @@ def lines_on(results: Results, plate: str) -> list[int]:
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
-    """Fields that a picture of an envelope shows; an envelope has no deformed view, since its extremes do not coincide."""
+    """Fields that a picture of an envelope shows; none for a deformed view, since extremes are not one deformation."""
     if ending == PRESSURE:
         return PICTURES[PRESSURE] if results.combined.layout.at_rest else ()
     fields = () if ending == DEFORMED else PICTURES[ending]

@@ -45,7 +45,7 @@ def _case(edges: str, held: Mapping[str, Any], h: float, numbers: list[Number], 
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     deflection, moment, edge, corner = ("probe[1].deflection", "probe[1].mx", "probe[2].mx", "probe[3].deflection")
     for h in (1e-4, 0.01, 0.1, 0.2):
         w, m, _ = Navier(1, 1, _NU, uniform, shear_factor(h, _NU)).at(0.5, 0.5)

@@ -28,7 +28,7 @@ def shear_factor(thickness: float, nu: float) -> float:
 class Navier:
     """Navier's double sine series of a hard simply supported plate a × b.
 
-    ``pressure`` returns the coefficient of sin αx sin βy from arrays of m and n. ``shear`` is that of
+    ``pressure`` returns the coefficient of sin αx sin βy from arrays of m and n. ``shear`` is the return value of
     `shear_factor`; 0 gives the thin plate. ``bed`` is k/D.
     """
 
@@ -105,7 +105,7 @@ class Levy:
         return float(sine @ shape), float(mx), float(my)
 
     def _basis(self, y: float, derivative: int) -> np.ndarray:
-        """Derivatives (m, 5) along y of e^±, αy e^± (scaled to 1 at the sides) and 1, divided by no power of α."""
+        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy (exponentials are 1 at a side) and 1."""
         result = []
         for sign in (1.0, -1.0):
             scaled = np.exp(sign * self._alpha * y - self._alpha * self._c)
@@ -200,7 +200,7 @@ class Rings:
         self._constants = np.linalg.solve(np.array(rows), np.array(right)).reshape(-1, 4)
 
     def _terms(self, place: int, r: float) -> tuple[np.ndarray, ...]:
-        """Coefficients (5,) of C₁, C₂, C₃, B and 1 in w, φ, m_r, V and m_t."""
+        """Coefficients (5,) of C₁, C₂, C₃, B and 1 in deflection w, slope φ, m_r, shear V and m_t at radius ``r``."""
         ring = self.rings[place]
         D, S, q, log = ring.stiffness, ring.shear, ring.pressure, np.log(r)
         w = [r * r / 4, log, 1, r * r * (log - 1) / 4 / D - log / S, q * (r**4 / 64 / D - r * r / 4 / S)]
