@@ -101,7 +101,7 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
 
 
 def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
-    """Hatch the discs that a panel's extremes exclude; return the legend entry, if there are discs."""
+    """Hatch the discs around singular points that a panel's extremes exclude; return the legend entry, if any."""
     look: dict[str, Any] = HATCHED | {"facecolor": "none", "edgecolor": INK, "alpha": 0.6}
     discs = [Circle((x, y), radius) for x, y, radius in panel.hatched.tolist()]
     axes.add_collection(PatchCollection(discs, zorder=2.1, **look), autolim=False)

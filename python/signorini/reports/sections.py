@@ -41,13 +41,13 @@ class Contents:
 
     @property
     def input(self) -> Mapping[str, Any]:
-        """Tables of the input."""
+        """Tables of the input file, from results.json."""
         tables: Mapping[str, Any] = self.values["input"]["model"]
         return tables
 
     @cached_property
     def quantities(self) -> Mapping[tuple[str, str], Quantity]:
-        """Quantities of the results by the kind of their owner and their name."""
+        """Quantities of the results, by the kind of their owner (such as "support") and their name."""
         every = (number for one in self.results.full.values() for number in one.catalogue.numbers)
         return {(number.home, number.what): number.quantity for number in every}
 

@@ -100,7 +100,7 @@ def _rigid(
 
 
 def _biaxial(ex: float, ey: float) -> tuple[float, float]:
-    """Largest pressure and contact area of a rigid unit square on soil under a unit force at (ex, ey) off its middle."""
+    """Largest pressure and contact area of a rigid unit square on soil; a unit force acts (ex, ey) off its middle."""
     x = (np.arange(2000) + 0.5) / 2000 - 0.5
     y = x[:, None]
 
