@@ -29,8 +29,8 @@ NUMBERS = (
 _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
-"""Angle in radians between the normals of two free edges up to which they count as one edge; also the angle up to which
-opposite edges count as parallel."""
+"""Largest angle in radians between the normals of two free edges that count as one edge; also of opposite edges that
+count as parallel."""
 _MOST_EDGES = 2
 """Largest number of free edges at which a perimeter ends; three leave one straight line, with one-way shear."""
 _FAR = 4.0

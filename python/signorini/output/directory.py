@@ -37,7 +37,7 @@ _INDEX_SAYS = "`signorini validate` writes these pages"
 _LINK = re.compile(r"\]\(([\w.+-]+\.(?:md|toml|png))\)")
 """Pattern of a link to a file in the same directory."""
 _LARGEST_ACCOUNT = 1_000_000_000
-"""Largest size in bytes of a results.json, path.json or other file from which files of an earlier run are listed."""
+"""Largest size in bytes of a file, such as results.json, that is read to list the files of an earlier run."""
 
 
 def former_results(directory: Path) -> list[str]:

@@ -1,4 +1,4 @@
-"""Arrays of maps as deflated bytes: node values as 16-bit integers on a decimal grid, indices as 16 or 32 bits."""
+"""Arrays of interactive maps as deflated bytes: node values as 16-bit integers on a decimal grid, and indices."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ class Grid:
 
     @cached_property
     def order(self) -> Ints:
-        """Stress nodes (s,) in the order of the page."""
+        """Indices of the stress nodes (s,) in the order in which the page stores them."""
         return np.lexsort((self._curve(self.nodes.points), self.ends[:, 0] >= 0))
 
     @cached_property
     def element_order(self) -> Ints:
-        """Elements (e,) in the order of the page."""
+        """Indices of the elements (e,) in the order in which the page stores them."""
         return np.argsort(self._curve(self.nodes.points[self.nodes.elements[:, :4]].mean(axis=1)), kind="stable")
 
     @cached_property
@@ -97,7 +97,7 @@ class Grid:
         return result
 
     def elements(self) -> Ints:
-        """Differences (8e,) of node numbers: between first nodes of successive elements, then second nodes, and so on."""
+        """Differences (8e,) of node numbers: between first nodes of successive elements, then second nodes, etc."""
         number = np.empty(self.nodes.count, np.int64)
         number[self.order] = np.arange(self.nodes.count)
         return np.diff(number[self.nodes.elements[self.element_order]].T.ravel(), prepend=0)

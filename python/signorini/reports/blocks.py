@@ -49,7 +49,7 @@ class Table:
 
     @property
     def folded(self) -> bool:
-        """Whether the table has so many rows that it is folded, unless it is ``open``."""
+        """Whether the table is folded: it has more than `_FOLDED` rows and is not ``open``."""
         return len(self.rows) > _FOLDED and not self.open
 
     @property
@@ -161,7 +161,7 @@ def data_uri(content: bytes, kind: str) -> str:
 
 
 def shown_in(quantity: Quantity, units: Units) -> tuple[float, str]:
-    """Factor and unit in which a report writes a quantity: that of the model, and `steel_unit` for areas of bars."""
+    """Factor and unit in which a report writes a quantity: the model's unit, or `steel_unit` for areas of bars."""
     return steel_unit(units.length) if quantity.kind == "reinforcement" else (1.0, quantity.unit(units))
 
 

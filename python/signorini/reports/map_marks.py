@@ -95,7 +95,7 @@ def _written(value: float, told: bool, width: float | None, size: float) -> str:
 
 
 def lines_of(*lines: Floats, exact: float = 0.0) -> list[list[float]]:
-    """Polylines (k, 2), divided at rows of NaN, as flat lists x, y, x, y; vertices off by less than ``exact`` are left out."""
+    """Polylines (k, 2), divided at rows of NaN, as flat lists x, y, x, y, thinned to the accuracy ``exact``."""
     pieces = (piece for line in lines for piece in _pieces(line))
     return [rounded((thinned(one, exact) if exact and len(one) > 2 else one).ravel(), _DIGITS) for one in pieces]
 

@@ -64,7 +64,7 @@ class _Layer(NamedTuple):
     bounds: tuple[float, float] | None = None  # pressures outside these bounds mark a gap
     number: int = -1
     area: AreaContact | None = None
-    by: Ints | None = None  # (s,): row of the table from which each value of an envelope comes
+    by: Ints | None = None  # (s,): for an envelope, the row of the table that has each value
     key: Callable[[int], str] = str  # name of the combination in a row
 
     @property
@@ -307,7 +307,7 @@ def map_data(
 
 
 def _largest(state: _State, plate: OfWhole, name: str) -> float:
-    """Largest magnitude, in a state, of all fields of the same kind; smaller values within its rounding are zero."""
+    """Largest magnitude, in a state, of all fields of the same kind; values below its rounding are stored as zero."""
     kind = quantity_of(plate.own.model, name)[0].kind
     alike = (one for one in FIELDS if PICTURED[one].kind == kind and state.has(plate, one))
     values = (layer.values for one in {*alike, name} for layer in state.layers(plate, one))

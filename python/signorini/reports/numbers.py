@@ -45,7 +45,7 @@ _MOST_REASONS = 20
 
 
 def _width(tree: Any, *keys: str | int) -> Any:
-    """Half-width below keys of "plus_minus"; ``...`` if no half-widths were computed."""
+    """Half-width at a path of keys in "plus_minus"; ``...`` if no half-widths were computed."""
     return ... if tree is None else found(tree, *keys)
 
 

@@ -38,7 +38,7 @@ class CutLine:
     """A polyline that is continued beyond both ends, or that is closed: its last point is its first point.
 
     Points within a distance ``touching`` are on the line. ``ways`` (2,) are the directions of the continuations at the
-    first and the last point, None for a straight continuation. They influence only the side of a point.
+    first and the last point, None for a straight continuation. They only influence the side on which a point is.
     """
 
     def __init__(

@@ -174,7 +174,7 @@ def _half_space() -> Iterator[Case]:
         "hertz",
         "Sphere on an elastic half-space (Hertz)",
         ("Lemke's algorithm", "own compliance", "lift-off"),
-        f"Paraboloid with gap r² pressed by δ = 1; {where}.",
+        f"Rigid paraboloid with the gap r², pressed into a half-space by δ = 1; {where}.",
         "H. Hertz (1881); K. L. Johnson, *Contact Mechanics*, 1985, chapter 4, with R = 1/2: contact radius "
         "a = √(Rδ), P = 4/3 E a³/(1 − ν²)R.",
         "analytical",

@@ -85,7 +85,7 @@ def cases() -> Iterator[Case]:
             f"Disc, {'simply supported' if fix == 'simple' else fix}, h/R = {h:g}"
             + (f" ({aster})" if aster != "thin" else ""),
             f"Disc of radius 1 and thickness {h:g}, E = 1, ν = 0.3, uniform pressure 1, rim {fix}.",
-            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) or qR⁴/64D, plus qR²/4κGh.",
+            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) (simple) or qR⁴/64D, plus qR²/4κGh.",
             Rings([_ring(0, 1, h, 1.0)], _NU, "centre", fix),
             {"shape": "disc", "radius": 1, "thickness": h},
             {"rim": fix},

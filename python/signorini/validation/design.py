@@ -1,4 +1,4 @@
-"""Design codes: punching of a slab on one column, whose loads have the column's force and moments; reinforcement."""
+"""Cases of design codes: punching of a slab on one column, with given column force and moments; reinforcement."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from signorini.results.support_result import areas_below
 _WIDTH = 3.0
 """Largest width of a plan [inches]: the text of a picture is readable on a page of 500 pixels."""
 _LONG = 4.0
-"""Ratio of length to width above which a plate is drawn as a strip: by a curve of the deflection along x."""
+"""Smallest ratio of length to width of a plate that is drawn as a strip: by a curve of the deflection along x."""
 _ALONG = 201
 """Number of points of a curve along a strip."""
 

@@ -122,7 +122,7 @@ def _footings() -> Iterator[Case]:
     both = _biaxial(0.15, 0.15)
     for name, e, peak, area, source in (
         ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern p = P/A (1 + 6e/B)"),
-        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact 3(B/2 − e), p = 8/3 P/A"),
+        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact over 3(B/2 − e), p = 8/3 P/A"),
         ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern p = P/A (1 + 6eₓ/B + 6e_y/L)"),
         (
             "two-way",
@@ -155,7 +155,7 @@ def _footings() -> Iterator[Case]:
                 Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-3, 4.0, own * peak),
                 Number("soil.contact_area", "contact/A", area, 1e-3, 0.25, 1e-3 if numeric else 1e-5),
             ),
-            "The thickness is half of the side and E/k is large, so that bending is about 1e-5 of its settlement.",
+            "The thickness is half of the side and E/k is large, so that bending is about 1e-5 of the settlement.",
         )
 
 

@@ -10,7 +10,9 @@ from signorini.validation.theory import TIMOSHENKO, Navier, rigidity, shear_fact
 
 _NU = 0.3
 _EDGES = ["left", "right", "bottom", "top"]
-_SPECTRAL = "High-order spectral solution of the Reissner–Mindlin plate with κ = 5/6, converged digits."
+_SPECTRAL = (
+    "High-order spectral solution of the Reissner–Mindlin plate with κ = 5/6; all printed digits have converged."
+)
 _CORNER = 0.0649646
 """Corner force R/qa² of the thin plate; Timoshenko and Woinowsky-Krieger (1959), art. 30."""
 
@@ -86,7 +88,7 @@ def cases() -> Iterator[Case]:
                 Number(deflection, "w D/qa⁴, middle", w, 3e-3, uncertainty=5e-9),
                 Number(edge, "edge moment −mx/qa²", m, 3e-3, factor=-1, uncertainty=5e-6),
             ],
-            f"{_SPECTRAL} The thin plate of Timoshenko and Woinowsky-Krieger (1959) has 0.00126 and 0.0513.",
+            f"{_SPECTRAL} Thin plate, Timoshenko and Woinowsky-Krieger (1959): w = 0.00126, moment 0.0513.",
         )
     for h, w, m, up in ((0.1, 0.004805, 0.05275, 6.62e-4), (0.01, 0.004402, 0.05103, 7.43e-4)):
         yield _case(

@@ -163,7 +163,7 @@ class Ring:
 
 
 class Rings:
-    """Axisymmetric Reissner–Mindlin plate of rings with the edges "free", "simple", "clamped", or "centre" inside.
+    """Axisymmetric Reissner–Mindlin plate of rings; its edges are "free", "simple" or "clamped", or inside "centre".
 
     w = C₁r²/4 + C₂ ln r + C₃ + B(r²(ln r − 1)/4D − ln r/S) + q(r⁴/64D − r²/4S), with Q = −(B/r + qr/2);
     Timoshenko and Woinowsky-Krieger (1959), chapter 3, and the shear strain Q/S.
@@ -210,7 +210,7 @@ class Rings:
         return np.array(w), slope, radial, np.array([0, 0, 0, 1 / r, q * r / 2]), tangential
 
     def at(self, r: float) -> tuple[float, float, float]:
-        """Return w, m_r and m_t at a radius; at a border of two rings those of the inner one."""
+        """Return w, m_r and m_t at a radius; at a border of two rings they are the values of the inner ring."""
         place = next(i for i, ring in enumerate(self.rings) if r <= ring.outer)
         terms, known = self._terms(place, max(r, 1e-4 * self.rings[0].outer)), np.append(self._constants[place], 1.0)
         return float(terms[0] @ known), float(terms[2] @ known), float(terms[4] @ known)
