@@ -32,7 +32,7 @@ _ALIKE = 0.5
 """Largest angle in radians between the normals of two free edges that count as one edge; also of opposite edges that
 count as parallel."""
 _MOST_EDGES = 2
-"""Largest number of free edges at which a perimeter ends; three leave one straight line, with one-way shear."""
+"""Largest number of free edges at which a perimeter ends; with three it is a straight line, as for one-way shear."""
 _FAR = 4.0
 """Length by which a perimeter is continued towards a free edge before it is cut there, relative to the closed one."""
 _SLIGHTLY = 1e-6

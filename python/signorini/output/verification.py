@@ -36,7 +36,7 @@ from signorini.results.quantities import Path, quantity_at
 TOLERANCE = 1e-7
 """Tolerance relative to the largest number of the same kind; certificates allow errors of 1e-8."""
 _OF_WIDTHS = 0.0101
-"""Relative tolerance for half-widths: one unit in the last of their three digits."""
+"""Relative tolerance for half-widths, which have three digits: one unit in the last digit."""
 _LARGEST_FILE = 1_000_000_000
 """Largest size in bytes of a file that is verified."""
 _NOT_RESULTS = ("program", "input", "options", "seconds")
@@ -77,7 +77,7 @@ class Difference:
 
     @property
     def difference(self) -> float | None:
-        """Stored minus computed value; None if one of them is no number."""
+        """Stored minus computed value; None if one of the two values is no number."""
         return self.stored - self.computed if _numbers(self.stored, self.computed) else None
 
 
@@ -178,14 +178,14 @@ def _read(file: FilePath) -> dict[str, Any]:
         if not text.lstrip().startswith("{"):
             (coded,) = _IN_REPORT.findall(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
             text = zlib.decompressobj().decompress(base64.b64decode(coded), _LARGEST_FILE).decode()
-        # An integer of 309 or more digits is beyond the range of a float; such integers are read as floats.
+        # Integers of 300 or more digits are read as floats, since longer ones are beyond the range of a float.
         stored = json.loads(text, parse_int=lambda digits: int(digits) if len(digits) < 300 else float(digits))
     except OSError as error:
         raise InputError(f"the file cannot be read: {error.strerror or error}.", place=str(file)) from None
     except (ValueError, zlib.error, RecursionError):
         stored = None
     if not isinstance(stored, dict) or not _table(_table(stored.get("input")).get("model")):
-        why = "it has no results with a model of signorini. Give a results.json, a path.json or a report (.html)."
+        why = "it has no results with an embedded model. Give a results.json, a path.json or a report (.html)."
         raise InputError(why, place=str(file))
     return stored
 

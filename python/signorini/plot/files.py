@@ -45,7 +45,7 @@ def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, st
 def png_of(figure: Figure) -> bytes:
     """Draw a figure as pixels; return the content of a .png file."""
     figure.set_dpi(DOTS)
-    canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no types for the methods of a canvas
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type hints for the methods of a canvas
     canvas.draw()
     return as_png(canvas)
 

@@ -167,7 +167,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         remarks = [*(words for words, _ in _remarks(plan)), *excluded]
         page.make_room(picture.title, [*legend_words(picture.marks), *remarks])
     page.figure.set_dpi(DOTS)
-    canvas: Any = page.canvas  # matplotlib has no types for the methods of a canvas
+    canvas: Any = page.canvas  # matplotlib has no type hints for the methods of a canvas
     canvas.draw()
     shared = canvas.copy_from_bbox(page.figure.bbox)
     before = set(map(id, page.artists()))

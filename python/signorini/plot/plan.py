@@ -46,8 +46,8 @@ class Plan:
 
     nodes: Floats  # (n, 2): positions of the nodes
     cells: NDArray[np.int64]  # (e, 8): node numbers of the elements
-    left_out: NDArray[np.bool_] | None = None  # (e,): elements to hatch, without a field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points in the drawn window
+    left_out: NDArray[np.bool_] | None = None  # (e,): elements that are hatched and show no field
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points inside the window
 
     @cached_property
     def cut(self) -> Tessellation:

@@ -1,5 +1,4 @@
-"""Texts for combinations in a report: "C17" in narrow places, "C17: ULS" in others; fewer than three have only
-names."""
+"""Texts for combinations in a report: "C17" in narrow places, else "C17: ULS"; of fewer than three, only the names."""
 
 from __future__ import annotations
 

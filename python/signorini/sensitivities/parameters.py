@@ -139,7 +139,7 @@ class Input:
 
     @cached_property
     def tables(self) -> Mapping[str, Any]:
-        """Tables of the input file, of which the model may be a variant."""
+        """Tables of the input file; for a variant of a model, the tables of the original model."""
         tables: Mapping[str, Any] = json.loads(self.model.provenance.text)
         return tables
 

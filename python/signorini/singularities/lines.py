@@ -53,7 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # An edge mirrors a line load normal to it: a free edge with equal sign, a held edge with opposite sign.
+    # A line load normal to an edge has a mirror image: of equal sign at a free edge, of opposite sign at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
@@ -155,7 +155,7 @@ def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
     parted = zones.parted[:, cut]
     borders = {f"Border of zone {number}": elements for number, elements in enumerate(parted, 1)}
     for subject, elements in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
-        advice = f"Inside these elements they are those of a laminate of both sides; {_BESIDE} "
+        advice = f"Moments and shears within them are those of a laminate of both sides; {_BESIDE} "
         advice += to_follow(discretisation.model) if subject in borders else _AS_ZONE
         yield from _within(discretisation, cut[elements], subject, advice, "plate")
 
@@ -167,7 +167,7 @@ def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
         if along is None or not support.holds_rotation:
             continue
         subject = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
-        advice = f"Inside these elements they are means of both sides; {_BESIDE} {to_follow(discretisation.model)}"
+        advice = f"Moments and shears within them are means of both sides; {_BESIDE} {to_follow(discretisation.model)}"
         yield from _within(discretisation, _crossed(discretisation, along), subject, advice, support.name)
 
 

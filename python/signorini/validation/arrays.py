@@ -218,7 +218,7 @@ def _elements() -> Case:
         ("elements",),
         "Eigenvalues of the stiffness matrix of one distorted element, h = 0.1.",
         "T. J. R. Hughes, *The Finite Element Method*, 1987: three rigid motions; the reduced integration "
-        "of q8r has one mode more.",
+        "of q8r adds one mode.",
         "analytical",
         modes,
         (1,),

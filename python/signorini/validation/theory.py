@@ -41,7 +41,7 @@ class Navier:
     terms: tuple[int, int] = (800, 800)
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Return w D, mx and my at (x, y)."""
+        """Return the deflection times D, and the moments mx and my, at (x, y)."""
         m, n = np.arange(1, self.terms[0])[:, None], np.arange(1, self.terms[1])[None, :]
         alpha, beta = m * np.pi / self.a, n * np.pi / self.b
         square = alpha**2 + beta**2
@@ -97,7 +97,7 @@ class Levy:
         self._constants = np.linalg.solve(matrix, -right[..., None])[..., 0]
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Return w D, mx and my at (x, y)."""
+        """Return the deflection times D, and the moments mx and my, at (x, y)."""
         weights = np.concatenate([self._constants, self._particular[:, None]], axis=1)
         shape, curved = (weights * self._basis(y, 0)).sum(axis=1), (weights * self._basis(y, 2)).sum(axis=1)
         sine, own = np.sin(self._alpha * x), self._alpha**2 * shape

@@ -21,7 +21,7 @@ def cases() -> Iterator[Case]:
         (1.0, 1.0),
         0.5,
         Number(w, "w of the end [m]", 1.1059e-3, 1.2e-2, uncertainty=1.1e-5),
-        "The reference is the beam's PL³/3EI. The clamped edge stiffens the plate, since it prevents curvature along the edge.",
+        "The reference is the beam's PL³/3EI. The clamped edge prevents curvature along it, which stiffens the plate.",
     )
     yield _ssls27(
         "torsion",
