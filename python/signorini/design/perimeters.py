@@ -384,7 +384,7 @@ class Plan:
         return pieces
 
     def sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
-        """Directions of the two tangents to an opening."""
+        """Directions of the two tangents from the column's centre to an opening."""
         return self._tangents(opening)[:2]
 
     def _tangents(self, opening: shapely.Polygon) -> tuple[complex, complex, float]:

@@ -36,7 +36,7 @@ from signorini.results.quantities import Path, quantity_at
 TOLERANCE = 1e-7
 """Tolerance relative to the largest number of the same kind; certificates allow errors of 1e-8."""
 _OF_WIDTHS = 0.0101
-"""Relative tolerance for half-widths, which have three digits: one unit in the last digit."""
+"""Relative tolerance for half-widths: they have three digits and may differ by one unit in the last."""
 _LARGEST_FILE = 1_000_000_000
 """Largest size in bytes of a file that is verified."""
 _NOT_RESULTS = ("program", "input", "options", "seconds")

@@ -23,7 +23,8 @@ from signorini.shapes.arrays import Floats
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Colours of the first, second, ... load case; after the last colour they repeat."""
 _MAX_VALUES = 12
-"""Largest number of points of a load whose values are written beside them; for more points only the legend has it."""
+"""Largest number of points of a load whose values are written beside them; for more points only the legend has the
+value."""
 _MAX_PLACES = 5
 """Largest number of positions that are tried for a label along a line."""
 _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])

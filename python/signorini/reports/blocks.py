@@ -54,7 +54,7 @@ class Table:
 
     @property
     def numbers(self) -> Sequence[bool]:
-        """Whether each column has numbers, which are aligned at the right."""
+        """For each column, whether it has numbers, which are aligned at the right."""
         return [any(row[at].value is not None for row in self.rows) for at in range(len(self.head))]
 
 

@@ -143,7 +143,7 @@ def _actions(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Iterat
 
 
 def _patterns(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Iterator[Block]:
-    """Yield which cases act as parts of one action, which exclude each other, and which act in full or not at all."""
+    """Yield sentences: which load cases are parts of one action, exclude each other, or act in full or not at all."""
     write = of.write
     kinds = {name: case.kind if "en1990" in codes else case.asce for name, case in cases.items()}
     variable = [name for name, kind in kinds.items() if kind not in (None, "permanent", "preload", *_EVER_PRESENT)]

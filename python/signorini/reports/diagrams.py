@@ -39,7 +39,7 @@ class _Panel:
 def diagrams(of: Contents) -> Iterator[Drawing]:
     """Yield the diagrams of sections, strips, profiles and walls, for the combinations whose results are complete."""
     every, write = list(solved(of.values)), of.write
-    along = [one for one in MEANS if len(one.path) == 1]  # other means have one value for each face
+    along = [one for one in MEANS if len(one.path) == 1]  # a longer path leads to a value of one face
     for index, cut in enumerate(every[0]["sections"] if len(every) > 1 else ()):
         values = [one["sections"][index] for one in every]
         told = [found(one["plus_minus"], "sections", index) for one in every]

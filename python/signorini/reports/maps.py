@@ -64,7 +64,7 @@ class _Layer(NamedTuple):
     bounds: tuple[float, float] | None = None  # pressures outside these bounds mark a gap
     number: int = -1
     area: AreaContact | None = None
-    by: Ints | None = None  # (s,): for an envelope, the row of the table that has each value
+    by: Ints | None = None  # (s,): for an envelope, the row (combination) of each value
     key: Callable[[int], str] = str  # name of the combination in a row
 
     @property

@@ -121,7 +121,7 @@ VERDICTS = {
     "no equilibrium": "no_equilibrium",
     "no value": "no_value",
 }
-"""Key in texts.toml of each verdict of `judged`."""
+"""Key in texts.toml of each verdict on a check, which `judged` returns."""
 
 
 def verdict_on(of: Contents, used: float, width: Any) -> tuple[bool | None, str]:

@@ -52,7 +52,7 @@ _SYMBOLS = {
     **{"v_ed_face": "vEd,0", "v_rd_c": "vRd,c", "v_rd_max": "vRd,max", "asw": "Asw/s"},
 }
 _SYMBOLS_ACI = {"u1": "bo", "v_ed": "vu", "v_ed_face": "vu,0", "v_rd_c": "φ vc", "v_rd_max": "vu,max"}
-"""Symbols of numbers in formulas, if they differ from the number's name: of EN 1992; of ACI 318, if different."""
+"""Symbols in formulas, by name of the number, if they differ from the name; those of ACI 318 replace some."""
 _POWERS = {1: "", 2: "²", 4: "⁴"}
 _DIVISIONS = 20
 _STEP = 1.2

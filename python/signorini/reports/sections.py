@@ -143,7 +143,7 @@ def materials(of: Contents) -> Iterator[Block]:
 
 
 def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the keys of a table and of tables in it, joined by dots, with their values."""
+    """Yield the values of a table and of tables in it, each with its path of keys joined by dots."""
     for key, value in table.items():
         if isinstance(value, Mapping) and key not in without:
             yield from _flat(value, (), f"{before}{key}.")
@@ -152,7 +152,7 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
 
 
 def value_of(of: Contents, key: str, value: Any, table: Mapping[str, Any] | None = None) -> Cell:
-    """Cell of a value of the input with its unit, if the unit of its key is known; ``table`` has the place."""
+    """Cell of a value of the input with its unit, if known; it may depend on the place (line, area) in ``table``."""
     unit = "°" if key == "angle" else unit_of(key, of.write.units, table)
     return Cell(f"{_words(of, value)} {unit}".rstrip())
 

@@ -32,7 +32,7 @@ _SIGNED = frozenset(
 )
 """Keys whose values may be 0 or change sign."""
 _LINEAR = _SIGNED - {"nu", "nu_xy", "D1"} | {"preload", "unit_weight", "limit"}
-"""Keys of loads, and of gaps, preloads and limits of supports."""
+"""Keys on which the state depends linearly, for a fixed contact state: of loads, gaps, preloads and limits."""
 _CASE = re.compile(r'case\.(?:"([^"]+)"|(.+))\.factor')
 
 

@@ -17,7 +17,7 @@ from signorini.shapes import outlines
 from signorini.shapes.arrays import Bools, Floats
 
 _TOUCHING = 1e-12
-"""Largest distance of two sides that touch, relative to the polygon's size."""
+"""Largest distance of two sides that count as touching, relative to the polygon's size."""
 _KINK = 0.1
 """Smallest change of direction [rad] of an outline at a corner; where arcs join smoothly the change is smaller."""
 _SAME = 1e-6

@@ -25,7 +25,7 @@ _AROUND = 1e-5
 _ALIKE = 1e-3
 """Smallest relative difference of thicknesses around a corner of a zone that counts as a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
-"""Unit vectors in eight directions, by which sections around a corner are compared."""
+"""Unit vectors in eight directions, in which thickness and rigidity around a zone's corner are compared."""
 _RESOLVED = 0.5
 """Smallest width of a footprint, relative to its element, at which moments are resolved. Moments are too small by a
 fifth at a width of 1/3 of the element, by a third at 1/10."""

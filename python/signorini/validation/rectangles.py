@@ -39,7 +39,7 @@ def _plate(
     load: Mapping[str, Any],
     **more: Any,
 ) -> Tables:
-    """Rectangle with D = 1, n elements along x, and edges by name with their ``fix``."""
+    """Input of a rectangle with D = 1 and n elements along x; ``edges`` maps each edge to its ``fix`` or "free"."""
     fixes = {fix: [edge for edge, own in edges.items() if own == fix] for fix in set(edges.values()) - {"free"}}
     return {
         "material": {"E": 1 / rigidity(1.0, h, _NU), "nu": _NU},

@@ -73,7 +73,7 @@ class Comparison:
 
     @property
     def holds(self) -> bool:
-        """Whether the number is finite, and within its tolerance or, if the case states that it differs, outside."""
+        """Whether the number is finite, and agrees with its reference or, if the case states so, differs from it."""
         return self.within != bool(self.number.differs) and math.isfinite(self.errors[-1])
 
     @property
