@@ -60,7 +60,7 @@ class Tolerances:
 
     @property
     def written(self) -> float:
-        """Largest distance from an edge or circle of a point that counts as on it; the input may have only six digits."""
+        """Largest distance from an edge or circle of a point that counts as on it; inputs may have only six digits."""
         return 1e-6 * self.extent
 
     @property
