@@ -15,7 +15,7 @@ from signorini.shapes.arrays import Floats
 PHI = 0.75
 """Strength reduction factor φ of shear, Table 21.2.1(b)."""
 WITHIN = 4.0
-"""An opening within this distance of the column reduces bo; relative to the slab's thickness h, 22.6.4.3."""
+"""Largest distance from the column of an opening that reduces bo, relative to the slab's thickness h, 22.6.4.3."""
 CLAUSES = {
     "u0": "ACI 318-19, 22.6.4.1 (outline of the column)",
     "u1": "ACI 318-19, 22.6.4.1 and 22.6.4.3 (bo)",
@@ -50,7 +50,7 @@ def concrete_resistance(fc: float, d: float, bo: float, ratio: float, alpha_s: f
 
 
 def shear_part(b1: float, b2: float) -> float:
-    """γv = 1 − γf with γf = 1/(1 + 2/3 √(b1/b2)), 8.4.2.2.2 and 8.4.4.2.2; b1 is along the eccentricity."""
+    """Part γv of a moment transferred by shear, 1 − 1/(1 + 2/3 √(b1/b2)), 8.4.4.2.2; b1 is along the eccentricity."""
     return 1.0 - 1.0 / (1.0 + 2.0 / 3.0 * float(np.sqrt(b1 / b2)))
 
 

@@ -53,7 +53,7 @@ class Rule:
     needs: str = ""
 
     def choices(self, actions: Sequence[Action]) -> Iterator[list[tuple[Terms, ...]]]:
-        """Yield the choices of each acting action, for each leading action and each choice of roles."""
+        """Yield, for each leading action and each choice of roles, the choices of terms of every acting action."""
         if self.needs and all(action.role != self.needs for action in actions):
             return
         roles = list(self.factors)

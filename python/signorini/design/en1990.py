@@ -88,7 +88,7 @@ CLAUSES: Mapping[str, tuple[str, str]] = {
 
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:
-    """Yield the rules with a name of `GAMMA`; the roles of actions are their kinds.
+    """Yield the rules of ``name``, a key of `GAMMA`; the roles of actions are their kinds, such as "permanent".
 
     ``gamma`` are factors in place of the recommended ones. ``accidental_leading``, `PSI1` or `PSI2`, is the
     representative value of the leading variable action in 6.11b.

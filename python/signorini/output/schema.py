@@ -145,7 +145,7 @@ def _keys(table: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]]) -> 
 
 
 def _node(said: str) -> Node:
-    """Schema of a value from "TYPE: description"."""
+    """Schema of a value from its text "TYPE: description" in schema.toml."""
     kinds, _, description = said.partition(": ")
     nodes = []
     for kind in kinds.split("|"):

@@ -46,7 +46,7 @@ def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
 
 
 def _table(name: str, rows: Sequence[Mapping[str, Cell]]) -> Sheet:
-    """Sheet of rows by column; a half-width follows its number."""
+    """Make a sheet from rows; the column of half-widths follows the column of their number."""
     found = dict.fromkeys(column for row in rows for column in row)
     numbers = [column for column in found if not column.startswith(_WIDTH)]
     columns = [title for column in numbers for title in (column, _WIDTH + column) if title in found]

@@ -215,7 +215,8 @@ _APART, _MISTAKEN = 3.0, 400
 """Distance [points] by which a label must be nearer to its own point than to other points; cost of a label that is less
 near."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of a label that covers text, leaves the plan, or covers marks. The choice of the eighth direction costs 1."""
+"""Costs of a label that covers text, leaves the plan, or covers marks. A label in the last of the eight directions
+costs 1."""
 
 
 @dataclass(eq=False)

@@ -481,7 +481,7 @@ def punching(of: Contents) -> Iterator[Block]:
 
 
 def sensitivities(of: Contents) -> Iterator[Block]:
-    """Yield a table of the derivatives of each number, in the combination in which it governs."""
+    """Yield a table of the derivatives of each number, in the combination in which the number is extreme."""
     write, each = of.write, of.values.get("sensitivities", ())
     if each:
         yield Text(write("sensitivity_words"))
@@ -508,7 +508,7 @@ def _with_unit(write: Writer, value: float | None, unit: str) -> Cell:
 
 
 def warnings(of: Contents) -> Iterator[Block]:
-    """Yield each warning with the combinations that it is about, and the places without a limit."""
+    """Yield each warning with the combinations that it is about, and the places where results have no limit."""
     for one in of.values["warnings"]:
         names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
         yield Text(one["text"] + names, "warning", english=True)

@@ -74,7 +74,7 @@ class Contents:
                 yield one
 
     def captioned(self, key: str, group: str) -> str:
-        """Text of the catalogue with the name of a group."""
+        """Text of the catalogue texts.toml, followed by the name of a group."""
         return self.write(key) + (f": {group}" if group else "")
 
     def place_of(self, index: int) -> tuple[str, int]:
@@ -110,7 +110,7 @@ def codes_of(tables: Mapping[str, Any]) -> list[str]:
 
 
 def scope(of: Contents) -> Iterator[Block]:
-    """Yield method, codes and domain of validity."""
+    """Yield the texts on the method, the design codes and the domain of validity."""
     write, program = of.write, of.values["program"]
     yield Text(write("method"))
     codes = ", ".join(codes_of(of.input))

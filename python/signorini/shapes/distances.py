@@ -72,7 +72,7 @@ class Targets:
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:
-        """Join several targets in one."""
+        """Join several `Targets` into one."""
         none = cls.of()
         return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 

@@ -157,7 +157,7 @@ class Rounded(outlines.Straight):
 
     @property
     def tips(self) -> Floats:
-        """Corners, and points of arcs with the largest or smallest x or y (t, 2)."""
+        """Points (t, 2): corners, and points of arcs with the largest or smallest x or y."""
         return np.concatenate([self.corners, *self._farthest])
 
     @cached_property
