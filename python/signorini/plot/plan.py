@@ -212,11 +212,10 @@ _FAR = (5.0, 14.0, 26.0, 40.0)
 _LEADER = 10.0
 """Smallest distance from a label to its point at which a line joins them [points]."""
 _APART, _MISTAKEN = 3.0, 400
-"""Distance [points] by which a label must be nearer to its own point than to other points; cost of a label that is less
-near."""
+"""Distance [points] by which a label must be nearer to its own point than to other points; cost, in eighths, of a label
+that is less near."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of a label that covers text, leaves the plan, or covers marks. A label in the last of the eight directions
-costs 1."""
+"""Costs of a label that covers text, leaves the plan, or covers marks. Each further candidate position costs 1/8."""
 
 
 @dataclass(eq=False)
@@ -289,7 +288,7 @@ class Labels:
             turned.set(rotation=turns[best], **_look(size, color, look))
 
     def _best(self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False) -> int:
-        """Choose and reserve the box of least cost; ``order`` (k,) is added to its cost.
+        """Choose and reserve the box of least cost; ``order`` (k,), in eighths, is added to its cost.
 
         The boxes have centers (k, 2) and sizes ``extent`` in points. Return the index of the box, or -1 if ``free`` is
         True and it covers text.
