@@ -13,9 +13,9 @@ from signorini.errors import InputError
 from signorini.shapes.arrays import Floats
 
 PHI = 0.75
-"""φ of shear, Table 21.2.1(b)."""
+"""Strength reduction factor φ of shear, Table 21.2.1(b)."""
 WITHIN = 4.0
-"""An opening within this distance of the column reduces bo; relative to the slab's thickness h, 22.6.4.3."""
+"""Largest distance from the column of an opening that reduces bo, relative to the slab's thickness h, 22.6.4.3."""
 CLAUSES = {
     "u0": "ACI 318-19, 22.6.4.1 (outline of the column)",
     "u1": "ACI 318-19, 22.6.4.1 and 22.6.4.3 (bo)",
@@ -28,9 +28,9 @@ CLAUSES = {
     "uout": "ACI 318-19, 22.6.6.1 (φ 0.17 λs λ √f'c)",
 }
 ALPHA_S = (40.0, 30.0, 20.0)
-"""αs of interior, edge and corner columns, by the number of edges, 22.6.5.3."""
+"""Factor αs of interior, edge and corner columns, that is by the number 0, 1 or 2 of free edges, 22.6.5.3."""
 _LARGEST_FYT = 420.0
-"""Largest fyt in MPa, 20.2.2.4(a)."""
+"""Largest yield strength fyt of shear reinforcement in MPa, 20.2.2.4(a)."""
 
 
 def root_of(fc: float) -> float:
@@ -39,18 +39,18 @@ def root_of(fc: float) -> float:
 
 
 def size_factor(d: float) -> float:
-    """λs = √(2/(1 + 0.004 d)) ≤ 1, 22.5.5.1.3."""
+    """Size effect factor λs = √(2/(1 + 0.004 d)) ≤ 1, 22.5.5.1.3."""
     return float(min(np.sqrt(2.0 / (1.0 + 0.004 * d)), 1.0))
 
 
 def concrete_resistance(fc: float, d: float, bo: float, ratio: float, alpha_s: float) -> float:
-    """Stress vc of normalweight concrete, the least of Table 22.6.5.2; ``ratio`` is long over short side."""
+    """Stress vc of normalweight concrete, the least of Table 22.6.5.2; ``ratio``: column's long over short side."""
     parts = 0.33, 0.17 * (1.0 + 2.0 / ratio), 0.083 * (2.0 + alpha_s * d / bo)
     return min(parts) * size_factor(d) * root_of(fc)
 
 
 def shear_part(b1: float, b2: float) -> float:
-    """γv = 1 − γf with γf = 1/(1 + 2/3 √(b1/b2)), 8.4.2.2.2 and 8.4.4.2.2; b1 is along the eccentricity."""
+    """Part γv of a moment transferred by shear, 1 − 1/(1 + 2/3 √(b1/b2)), 8.4.4.2.2; b1 is along the eccentricity."""
     return 1.0 - 1.0 / (1.0 + 2.0 / 3.0 * float(np.sqrt(b1 / b2)))
 
 
@@ -58,7 +58,7 @@ def shear_part(b1: float, b2: float) -> float:
 class Punching:
     """Two-way shear of one column; ``plan`` is in mm, ``fck`` is f'c and ``fyk`` is fyt in MPa.
 
-    ``given`` multiplies the mean stress in place of the unbalanced moment, or is None.
+    ``given`` is a factor of the mean stress that replaces the effect of the unbalanced moment, or None.
     """
 
     plan: Plan
@@ -70,7 +70,7 @@ class Punching:
 
     @property
     def depth(self) -> float:
-        """Mean effective depth."""
+        """Mean effective depth d of the two bar directions."""
         return 0.5 * sum(self.d)
 
     @cached_property
@@ -86,7 +86,10 @@ class Punching:
         return min(self.perimeters, key=lambda one: one.pieces.length)
 
     def axis(self, bo: Perimeter) -> complex:
-        """Direction of an axis of a critical section: across its edge, else of the column, principal if it is round."""
+        """Direction of an axis of a critical section: normal to its free edge, if any, else along the column's side.
+
+        Without a free edge, the axis at a round column is a principal axis of the critical section.
+        """
         column = self.plan.column
         return (*bo.normals, bo.pieces.principal if len(column.corners) == 1 else column.axis)[0]
 

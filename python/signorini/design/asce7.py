@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping
 from signorini.design.combining import Factor, Rule
 
 LOADS = ("D", "L", "Lr", "S", "R", "W", "E", "Ev", "P")
-"""Symbols of 2.2; E is the horizontal and Ev the vertical seismic effect of 12.4.2, P a preload of factor 1."""
+"""Symbols of loads in ASCE 7-22, 2.2; E is the horizontal and Ev the vertical seismic effect of 12.4.2, P a preload of
+factor 1."""
 
 _ALWAYS = ("D", "Ev", "P")
 """Loads that a rule never leaves out; others may be absent (2.3 and 2.4)."""
@@ -41,7 +42,7 @@ RULES: Mapping[str, tuple[tuple[str, str, str], ...]] = {
 
 
 def section(name: str, text: str) -> str:
-    """Section of a rule in `RULES`: those with seismic loads follow the basic ones."""
+    """Section of ASCE 7-22 that contains a rule of `RULES`; rules with seismic loads have a section of their own."""
     basic, seismic = ("2.3.1", "2.3.6") if name == "LRFD" else ("2.4.1", "2.4.5")
     return f"ASCE 7-22, {seismic if 'Ev' in text else basic}"
 

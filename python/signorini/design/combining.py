@@ -32,7 +32,7 @@ class Action:
     alternatives: tuple[Mapping[str, tuple[float, ...]], ...]
 
     def choices(self, factor: Factor) -> tuple[Terms, ...]:
-        """Distinct terms of this action with a factor; an absent action has no terms."""
+        """Distinct choices of the terms by which this action enters a combination; an absent action has no terms."""
         values = product(factor.values, self.alternatives)
         return tuple(dict.fromkeys(_terms(value, cases, factor.of) for value, cases in values))
 
@@ -53,7 +53,7 @@ class Rule:
     needs: str = ""
 
     def choices(self, actions: Sequence[Action]) -> Iterator[list[tuple[Terms, ...]]]:
-        """Yield the choices of each acting action, for each leading action and each choice of roles."""
+        """Yield, for each leading action and each choice of roles, the choices of terms of every acting action."""
         if self.needs and all(action.role != self.needs for action in actions):
             return
         roles = list(self.factors)
@@ -73,7 +73,7 @@ def count(rules: Sequence[Rule], actions: Sequence[Action]) -> int:
 
 
 def combine(rules: Sequence[Rule], actions: Sequence[Action]) -> list[tuple[str, Terms]]:
-    """Return the names and terms of all distinct combinations; equal ones have the name of the first.
+    """Return the names and terms of all distinct combinations; equal combinations are listed once, by the first name.
 
     Examples
     --------

@@ -84,11 +84,11 @@ CLAUSES: Mapping[str, tuple[str, str]] = {
     "frequent": ("Σ Gk + P + ψ1,1 Qk,1 + Σ ψ2,i Qk,i", "6.5.3 (2)b, Eq. (6.15b); Table A1.4"),
     "quasi-permanent": ("Σ Gk + P + Σ ψ2,i Qk,i", "6.5.3 (2)c, Eq. (6.16b); Table A1.4"),
 }
-"""Sum of the actions by each rule, and its clause."""
+"""Each rule's sum of actions, in the symbols of EN 1990, and the rule's clause."""
 
 
 def rules(name: str, gamma: Gamma, xi: float = XI, accidental_leading: int = PSI1) -> Iterator[Rule]:
-    """Yield the rules with a name of `GAMMA`; the roles of actions are their kinds.
+    """Yield the rules of ``name``, a key of `GAMMA`; the roles of actions are their kinds, such as "permanent".
 
     ``gamma`` are factors in place of the recommended ones. ``accidental_leading``, `PSI1` or `PSI2`, is the
     representative value of the leading variable action in 6.11b.

@@ -13,15 +13,15 @@ import numpy as np
 from signorini.shapes.arrays import Bools, Floats
 
 STRENGTHS = (12.0, 90.0)
-"""Range of fck, table 3.1."""
+"""Range of the concrete strength fck, table 3.1."""
 YIELD_STRENGTHS = (400.0, 600.0)
-"""Range of fyk, 3.2.2 (3)."""
+"""Range of the yield strength fyk of bars, 3.2.2 (3)."""
 GAMMA_C, GAMMA_S, ALPHA_CC = 1.5, 1.15, 1.0
 """Partial factors of concrete and steel, table 2.1N, and coefficient αcc, 3.1.6 (1)."""
 _SAME = 1e-9
-"""Relative tolerance for areas that are the minimum."""
+"""Relative tolerance at which an area of reinforcement counts as the minimum reinforcement."""
 MOST = 0.04
-"""Largest As / Ac, 9.2.1.1 (3)."""
+"""Largest area of bars relative to the concrete section, As / Ac, 9.2.1.1 (3)."""
 
 
 class Bars(NamedTuple):
@@ -31,22 +31,22 @@ class Bars(NamedTuple):
     bottom_y: float
     top_x: float
     top_y: float
-    """Distances of the axes of the bars along x and along y from their face."""
+    """Distances of the axes of bottom and top bars, along x and along y, from the slab's face on their side."""
     block: float
     """Stress η fcd of the rectangular stress block."""
     yield_stress: float
     """Design strength fyd of the bars."""
     deepest: float
-    """Largest λ x/d."""
+    """Largest relative depth λ x/d of the rectangular stress block."""
     least: float
     """Smallest As/d."""
     most: float
     """Largest As/h."""
     plain: float
-    """Largest m/h² that needs no bars: smaller moments are rounding errors."""
+    """Largest m/h² (moment per width m, thickness h) that needs no bars: such moments are rounding errors."""
 
     def are_least(self, field: str, areas: float | Floats, thickness: float | Floats) -> Bools:
-        """Whether areas are the minimum at a thickness; ``field`` is their field, such as "as_x_bottom"."""
+        """Whether areas of a ``field``, such as "as_x_bottom", are the minimum reinforcement for a thickness."""
         _, axis, face = field.split("_")
         least = self.least * (thickness - getattr(self, f"{face}_{axis}"))
         return np.asarray(np.isclose(areas, least, rtol=_SAME, atol=0.0))

@@ -68,18 +68,18 @@ def reinforcement(v_ed: Floats, v_rd_c: Floats | float, u1: Floats | float, d: f
 
 
 class _Shapes(NamedTuple):
-    """Perimeters (p,): length, distance, direction across the edge or of the column's side, and numbers for β."""
+    """Control perimeters (p,): length, distance, axis (normal of the edge, or the column's side), and numbers for β."""
 
     length: Floats
     distance: Floats
     axis: Positions
     across: Floats  # k u1/W1 of an eccentricity along the axis
     along: Floats  # k u1/W1 of an eccentricity normal to the axis
-    round: Bools  # whether both are components of one vector
+    round: Bools  # whether both eccentricities are components of one vector
     uniform: Floats  # u1/u1*
     beside: Floats  # k u1/W1 of Eq. (6.44), 0 at a corner
-    normals: Positions  # (p, 2): normals of near edges, 0 for none
-    outward: Floats  # (p, 2): k u1/W1 of an eccentricity towards each of them
+    normals: Positions  # (p, 2): outward normals of near free edges, 0 if absent
+    outward: Floats  # (p, 2): k u1/W1 of an eccentricity towards each near edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,15 +104,16 @@ class Punching:
 
     @property
     def clauses(self) -> Mapping[str, str]:
-        """Clause of each number."""
+        """Clause of EN 1992-1-1 for each number of the check."""
         return CLAUSES | (ON_RAFTS if self.on_foundation else {})
 
     @cached_property
     def perimeters(self) -> Sequence[Perimeter]:
         """Control perimeters (p,): those at 2d, 6.4.2(1); on a foundation those at several a ≤ 2d, 6.4.4(2).
 
-        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So all valid ones
-        are checked. On a pad too small for any, only the stress at the column's face is checked.
+        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So all valid
+        perimeters are checked. On a pad that is too small for a perimeter, only the stress at the column's face is
+        checked.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
         every = [found for distance in distances for found in self.plan.perimeters(distance)]
@@ -138,9 +139,9 @@ class Punching:
     def mean_times_beta(self, force: Floats, moment: Positions) -> Floats:
         """β |V| (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
 
-        Contributions of both axes are added; those of a circular column, as vectors. At a free edge |V| u1/u1* of
-        Eq. (6.44) and (6.46) is for an eccentricity inward. For one outward the part of Eq. (6.39) is taken if it is
-        larger. The part of an eccentricity along the edge is added to both.
+        Contributions of both axes are added; those of a circular column, as vectors. At a free edge |V| u1/u1* of Eq.
+        (6.44) and (6.46) is for an eccentricity inward. For an eccentricity outward the part of Eq. (6.39) is taken if
+        it is larger. The part of an eccentricity along the edge is added in both cases.
         """
         size = np.abs(force)
         if self.given is not None:
@@ -158,7 +159,7 @@ class Punching:
 
     @cached_property
     def shapes(self) -> _Shapes:
-        """Shape of every perimeter."""
+        """Dimensions of every control perimeter that β depends on."""
         column, every = self.plan.column, []
         for found in self.perimeters:
             pieces, near = found.pieces, [edge.normal for edge in self._edges(found)]
@@ -186,7 +187,7 @@ class Punching:
         return tuple(edge for edge in near if self.plan.gap(-edge.normal) > self.depth)
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
-        """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""
+        """Reduced perimeter u1* of Figure 6.20: it ends at min(1.5 d, c1/2) from the column's inner face."""
         for normal in normals:
             low, high = self.plan.column.extent(-normal)
             pieces = pieces.beyond(-normal, high - min(1.5 * self.depth, 0.5 * (high - low)))
@@ -197,9 +198,9 @@ class Punching:
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
         """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside the perimeters (k, p).
 
-        They are those of the perimeter with the largest vEd/vRd. The utilisation is that without shear reinforcement:
-        the larger one of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are
-        required, uout is that of vRd,c by Eq. (6.47); on a foundation the pressure inside uout is not taken off.
+        They are those of the perimeter with the largest vEd/vRd. The utilisation is without shear reinforcement: the
+        larger of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are required, uout
+        is that of vRd,c by Eq. (6.47); on a foundation the pressure inside uout is not taken off.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
         of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)

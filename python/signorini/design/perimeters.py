@@ -25,17 +25,18 @@ NUMBERS = (
     *("u0", "u1", "uout", "force", "inside", "beta", "v_ed", "v_ed_face"),
     *("v_rd_c", "v_rd_max", "utilisation", "with_links", "asw"),
 )
-"""Names of the numbers of a check."""
+"""Names of the numbers that a punching check of a column returns."""
 _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
-"""Smallest angle in radians between normals of two edges at a corner, or between one and the opposite of the other."""
+"""Largest angle in radians between the normals of two free edges that count as one edge; also of opposite edges that
+count as parallel."""
 _MOST_EDGES = 2
-"""Largest number of free edges at which a perimeter ends; three leave one straight line, with one-way shear."""
+"""Largest number of free edges at which a perimeter ends; with three it is a straight line, as for one-way shear."""
 _FAR = 4.0
-"""How far perimeters to edges are drawn beyond the column, relative to the closed perimeter."""
+"""Length by which a perimeter is continued towards a free edge before it is cut there, relative to the closed one."""
 _SLIGHTLY = 1e-6
-"""Part of a line of sight that is left out at the column's centre and added at the perimeter."""
+"""Relative length by which a line of sight starts away from the column's centre and ends beyond the perimeter."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -57,7 +58,7 @@ class Pieces:
         return every.pick(np.flatnonzero(every.lengths > 0.0))
 
     def pick(self, which: Ints | Bools) -> Self:
-        """Pieces by their indices, or by a mask (m,)."""
+        """Select pieces by their indices, or by a mask (m,)."""
         return type(self)(*(getattr(self, key.name)[which] for key in fields(self)))
 
     def at(self, t: Floats) -> Positions:
@@ -131,7 +132,7 @@ class Pieces:
 
     @property
     def is_straight(self) -> bool:
-        """Whether all normals of the pieces are nearly alike."""
+        """Whether the pieces form a nearly straight line: their normals differ by at most `_ALIKE`."""
         begins = np.where(self.radius > 0.0, np.exp(1j * self.begin), -1j * self.along)
         normals = np.concatenate([begins, begins * np.exp(1j * self.turn)])
         return bool((np.abs(np.angle(normals[:, None] / normals)) <= _ALIKE).all())
@@ -197,27 +198,27 @@ class Column:
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
 
     def distance(self, line: Floats) -> float:
-        """Distance from a line through points (k, 2), at most 0 if they meet."""
+        """Distance of the area from a polyline through points (k, 2); at most 0 if the polyline meets the area."""
         corners = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull
         return float(shapely.distance(shapely.LineString(line), corners)) - self.radius
 
     def extent(self, direction: complex) -> tuple[float, float]:
-        """Smallest and largest coordinate along a direction."""
+        """Smallest and largest coordinate of the area along a direction."""
         along = _along(np.array(self.corners), direction)
         return float(along.min()) - self.radius, float(along.max()) + self.radius
 
     def size(self, direction: complex) -> float:
-        """Width along a direction."""
+        """Width of the area along a direction."""
         low, high = self.extent(direction)
         return high - low
 
     def extended(self, normals: Sequence[complex], by: float) -> Column:
-        """The hull of the area and of its copies moved along some directions."""
+        """The convex hull of the area and of its copies, each moved by a length along one of the directions."""
         moved = [corner + by * normal for normal in (0.0, *normals) for corner in self.corners]
         return Column.hull(moved, self.radius) if normals else self
 
     def offset(self, by: float, square: bool = False) -> Pieces:
-        """The outline at a distance; at corners arcs or, with ``square``, corners of a polygon without radius."""
+        """The area's outline offset by a distance, with arcs at corners; ``square`` keeps corners of polygons sharp."""
         corners, radius = np.array(self.corners), self.radius + by
         if len(corners) == 1:
             return Pieces.of([(corners[0], 0.0, radius, 0.5 * np.pi * k, 0.5 * np.pi) for k in range(4)])
@@ -227,7 +228,7 @@ class Column:
         if square and not self.radius:
             return Column(tuple(corners + by * (before + normal) / (1.0 + _along(before, normal)))).offset(0.0)
         for corner, last, side, along in zip(corners, before, normal, ahead, strict=True):
-            # Corners of a hull on one line turn by ± rounding, the ends of a line between two corners by ± π.
+            # At corners on a straight line the turn is 0 ± rounding; at the ends of a hull of two corners it is ± π.
             turn = float(np.angle(side / last))
             turn = abs(turn) if abs(turn) > 3.0 else max(turn, 0.0)
             count = max(1, int(np.ceil(turn / (0.5 * np.pi) - _SAME)))
@@ -320,7 +321,7 @@ class Plan:
 
     @kept
     def face(self, edges: tuple[Edge, ...]) -> Pieces:
-        """The column's outline; towards free edges it is straight, up to the column's outermost point."""
+        """The column's outline; at free edges it continues straight to the level of the column's outermost point."""
         pieces = self.perimeter(0.0, edges).pieces
         for normal, _ in edges:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
@@ -331,7 +332,7 @@ class Plan:
         return min((gap for gap, edge, *_ in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
 
     def _visible(self, pieces: Pieces) -> Pieces:
-        """Parts in the slab, without those behind a hole or a pocket of its outline, seen from the column's centre."""
+        """Parts in the slab that are visible from the column's centre, past holes and re-entrant outlines."""
         centre, parts = self.column.centre, pieces
         farthest = np.abs(pieces.at(np.linspace(0.0, 1.0, 5)) - centre).max(initial=0.0)
         reach = shapely.Point(centre.real, centre.imag).buffer(float(farthest + pieces.lengths.max(initial=0.0)))
@@ -343,13 +344,13 @@ class Plan:
         return parts.pick(shapely.covers(self.slab, self._sights(parts)))
 
     def _sights(self, parts: Pieces) -> npt.NDArray[np.object_]:
-        """Lines (m,) from the column's centre to the middles of parts."""
+        """Lines of sight (m,) from the column's centre to the middle of each part of a perimeter."""
         along = parts.middles - self.column.centre
         ends = self.column.centre + along * np.array([[_SLIGHTLY], [1.0 + _SLIGHTLY]])
         return np.asarray(shapely.linestrings(np.stack([ends.real, ends.imag], axis=-1).swapaxes(0, 1)))
 
     def _cut(self, whole: Pieces, edges: Sequence[tuple[complex, complex]]) -> bool:
-        """Whether free edges cut a closed line."""
+        """Whether one of the free edges, given by their ends, cuts the closed perimeter ``whole``."""
         for begin, end in edges:
             normal = -1j * (end - begin) / abs(end - begin)
             beyond = whole.beyond(
@@ -377,11 +378,13 @@ class Plan:
         if not pieces.length > 0.0:
             raise InputError("Openings around the column leave no control perimeter. Move the column or the openings.")
         if pieces.is_straight:
-            raise InputError("The control perimeter that is left is nearly straight. Check one-way shear there.")
+            raise InputError(
+                "The control perimeter between edges and openings is nearly straight. Check one-way shear there."
+            )
         return pieces
 
     def sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
-        """Directions of the two tangents to an opening."""
+        """Directions of the two tangents from the column's centre to an opening."""
         return self._tangents(opening)[:2]
 
     def _tangents(self, opening: shapely.Polygon) -> tuple[complex, complex, float]:
@@ -394,7 +397,7 @@ class Plan:
         seen = corners * np.exp(-1j * middle)
         ends = np.array([turned.min(), turned.max()]) - middle
         if self.widened and ends[1] < 0.5 * np.pi:
-            # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
+            # The opening's width l2 counts as √(l1 l2) if its length l1 is larger.
             wider = np.sqrt(max(np.ptp(seen.real) / np.ptp(seen.imag), 1.0))
             ends = np.arctan(wider * np.tan(ends))
         first, last = np.exp(1j * (middle + ends))
@@ -420,7 +423,7 @@ def numbered(*values: Floats | float) -> Mapping[str, Floats]:
 
 
 def _along(z: Positions | complex, direction: Positions | complex) -> Floats:
-    """Coordinates of positions along directions."""
+    """Coordinate of each position ``z`` along a direction of modulus 1."""
     return np.asarray((z * np.conj(direction)).real)
 
 

@@ -10,9 +10,9 @@ from signorini.results.quantities import Number
 
 
 def by_combination(results: Results) -> list[tuple[Number, Floats]]:
-    """Numbers with their values (k,) in the k combinations; none if the table of all combinations is not stored.
+    """Numbers with their values (k,) in the k combinations; empty if the table of all combinations is not stored.
 
-    They are the numbers of supports as a whole, and the utilisations of checks and of punched columns.
+    Listed are the numbers of whole supports, and the utilisations of checks and of punched columns.
     """
     stored = results.combined.rows or {}
     wanted = [one for one in results.combined.layout.catalogue if one.home == "support" or one.what == "utilisation"]

@@ -1,4 +1,4 @@
-"""Checks as the key "checks" of results.json, and as checks.csv."""
+"""Write the checks of results: as the key "checks" of results.json, and as the file checks.csv."""
 
 from __future__ import annotations
 

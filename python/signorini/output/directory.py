@@ -37,14 +37,14 @@ _INDEX_SAYS = "`signorini validate` writes these pages"
 _LINK = re.compile(r"\]\(([\w.+-]+\.(?:md|toml|png))\)")
 """Pattern of a link to a file in the same directory."""
 _LARGEST_ACCOUNT = 1_000_000_000
-"""Largest size of a file that lists the files of an earlier run, in bytes."""
+"""Largest size in bytes of a file, such as results.json, that is read to list the files of an earlier run."""
 
 
 def former_results(directory: Path) -> list[str]:
     """Names of the result files that ``results.json`` in a directory lists; empty if another program wrote it."""
     try:
         entries = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
-        # In schema 1 of results.json, the entries of the list are file names.
+        # In schema 1 of results.json, the entries of ``files`` are file names; now they are tables.
         named = (entry["file"] if isinstance(entry, dict) else entry for entry in entries)
         names = [name for name in named if name in OF_ALL or _OF_ONE.fullmatch(name)]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
@@ -115,14 +115,14 @@ def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
 
 @contextmanager
 def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context as `room_for`, for the files of a load path."""
+    """Context like `room_for`, for the files of a load path."""
     with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
         yield room
 
 
 @contextmanager
 def room_for_study(directory: str | os.PathLike[str], results: Sequence[str]) -> Iterator[Path]:
-    """Context as `room_for`, for the summary and the pictures of a study of the given results."""
+    """Context like `room_for`, for the summary and the pictures of a study of the given results."""
     names = (STUDY, *(f"{slug}.png" for slug in unique_slugs(results)))
     with _room(Path(directory), former_study, names) as room:
         yield room
@@ -130,7 +130,7 @@ def room_for_study(directory: str | os.PathLike[str], results: Sequence[str]) ->
 
 @contextmanager
 def room_for_pages(directory: str | os.PathLike[str], names: Iterable[str]) -> Iterator[Path]:
-    """Context as `room_for`, for the files ``names`` of a validation."""
+    """Context like `room_for`, for the files ``names`` of a validation."""
     with _room(Path(directory), former_pages, names) as room:
         yield room
 

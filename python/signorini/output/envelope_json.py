@@ -51,7 +51,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Yield warnings about the model and, if they are enveloped, about deflections and required reinforcement."""
+    """Yield warnings about the model, and about deflections and required reinforcement if these have envelopes."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
@@ -84,11 +84,11 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
 
 
 def _widths_of_wholes(results: Results, own: _Shown, others: Sequence[_Shown]) -> dict[Path, float | None]:
-    """Half-widths by path of extremes over nodes or points; these extremes are not columns of the table."""
+    """Half-widths, by JSON path, of extremes over nodes or points; such extremes have no column in the table."""
     meshes = Meshes.of(own.mesh, [one.mesh for one in others])
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
-    # A line may have nodes on one mesh only; it then has no largest force between nodes there.
+    # A line support may have nodes on some of the meshes; on these it has no largest force between nodes.
     found = [{number.path: value for number, value, *_ in one.wholes()} for one in every]
     values = np.array([[of.get(number.path, np.nan) for number in numbers] for of in found])[:, :, None]
     named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
@@ -98,7 +98,7 @@ def _widths_of_wholes(results: Results, own: _Shown, others: Sequence[_Shown]) -
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """An envelope and its mesh."""
+    """The envelope of the combinations of a group, and the mesh on which they were solved."""
 
     envelope: Envelope
     mesh: Mesh
@@ -121,7 +121,7 @@ class _Shown:
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
         """Yield the extremes over nodes or points: number, value, number of the table's row, and position.
 
-        These extremes are not columns of the table.
+        These extremes have no column in the table.
         """
         envelope, mesh, layout = self.envelope, self.mesh, self.envelope.layout
         over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
@@ -220,9 +220,9 @@ class _Shown:
 
 
 def _is_least(results: Results, one: Number, area: float, place: Sequence[float]) -> bool:
-    """Whether an area of bars at a node's ``place``, at a probe or at a station of a strip is the minimum."""
+    """Whether an area of reinforcement, at a node, a probe or a station of a strip, is the minimum reinforcement."""
     found, name, bars = results.discretisation, one.quantity.name, results.model.bars
-    assert bars is not None  # There are no areas of bars without [reinforcement].
+    assert bars is not None  # Areas of reinforcement exist only if the input has [reinforcement].
     if one.home == "field":
         return least_at(name, area, place, bars, found.stress_nodes, found.node_thickness)
     if one.home == "probe":

@@ -83,7 +83,7 @@ def explain(key: str) -> tuple[Explanation, ...]:
     """
     entries = [*_entries()]
     parts = tuple(re.split(r"[.:]", re.sub(r"\[[^\[\]]*\]", "", key.strip("[] "))))
-    # The path of a key of the input is no other key's end: "support" is not governing_reactions[].support.
+    # Full paths of the input file are tried first: "support" must not match the end of governing_reactions[].support.
     found = [one for one in entries if _same(parts, one.parts) and one.explanation.source == "input file"]
     if not found and all(parts):
         found = [one for one in entries if _same(parts, one.parts[-len(parts) :]) or parts == (one.name,)]
@@ -98,12 +98,12 @@ def explain(key: str) -> tuple[Explanation, ...]:
 
 
 def _same(parts: tuple[str, ...], path: tuple[str, ...]) -> bool:
-    """Whether the parts of a key are those of a path, in which NAME is any name."""
+    """Whether the parts of a key match the parts of a path, in which NAME stands for any name."""
     return len(parts) == len(path) and all(known in (part, "NAME") for part, known in zip(parts, path, strict=True))
 
 
 def _owned(owner: str, number: str, entries: Sequence[_Entry]) -> list[_Entry]:
-    """Numbers of a name, at the owners of a kind such as "probe", or of a support that the user has named."""
+    """Entries of a number that belong to a kind of owner, such as "probe", or to a support named by the user."""
     found = [one for one in entries if one.name == number != ""]
     for of in ({owner, f"{owner}s"}, {"supports", "contacts"}):
         if those := [one for one in found if of & {*one.parts}]:
@@ -178,7 +178,7 @@ def types(node: Node) -> str:
 def _walk(
     node: Node, path: str, definitions: Mapping[str, Node], within: frozenset[str]
 ) -> Iterator[tuple[str, Node, bool]]:
-    """Yield path, schema and whether it is required, for each key at any depth. Half-widths repeat other keys."""
+    """Yield path, schema and whether it is required, for each key at any depth, except below ``plus_minus``."""
     if "$ref" in node:
         name = node["$ref"].rpartition("/")[2]
         if name not in within:

@@ -138,7 +138,7 @@ def write_path(
     Files of an earlier path are replaced. If another program wrote files with these names, they are not overwritten:
     `InputError` is raised.
     """
-    # matplotlib is imported only here.
+    # matplotlib is imported only when a picture is drawn.
     from signorini.plot.files import save
 
     target = FilePath(directory)

@@ -92,7 +92,7 @@ def pieces(slug: str, ranks: int) -> list[str]:
 
 
 def expected_names(model: Model) -> Iterator[str]:
-    """Yield the file names that follow from the model; names of pictures of governing combinations do not."""
+    """Yield the names of result files that are known before solving; governing combinations are known only after."""
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
@@ -148,7 +148,7 @@ def lines_on(results: Results, plate: str) -> list[int]:
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
-    """Fields that a picture of an envelope shows; empty for a deformed view, since an envelope is no plate's state."""
+    """Fields that a picture of an envelope shows; none for a deformed view, since extremes are not one deformation."""
     if ending == PRESSURE:
         return PICTURES[PRESSURE] if results.combined.layout.at_rest else ()
     fields = () if ending == DEFORMED else PICTURES[ending]
@@ -177,7 +177,7 @@ def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
 
 
 def _taken(model: Model) -> list[str]:
-    """Names, without suffix, of pictures of all combinations; pictures of one combination must not have them."""
+    """Names, without suffix, of pictures of all combinations; files of single combinations must have other names."""
     taken = _envelopes(model) if model.tabulated else []
     taken += [Path(name).stem for name in profile_pictures(model)]
     return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
@@ -272,8 +272,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠", "'")
 def name_cell(name: str) -> str:
     """Put an apostrophe before a name that a spreadsheet would compute, so that it is read as text.
 
-    A name that begins with an apostrophe gets a second one, so that a reader removes one apostrophe from every such
-    name. Numbers are not changed.
+    A name that begins with an apostrophe gets a second one, so that a program that reads the file removes one
+    apostrophe from every such name. Numbers are not changed.
 
     Examples
     --------

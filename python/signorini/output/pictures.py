@@ -72,7 +72,7 @@ def write_refinement(results: Results, directory: Path) -> None:
     """Draw relative half-widths over numbers of dofs, for the meshes of a refinement to a requested accuracy."""
     steps, asked = results.refinement, results.model.mesh.accuracy
     if steps and asked is not None:
-        # matplotlib is imported only here.
+        # matplotlib is imported only when a picture is drawn.
         from signorini.plot.curves import refinement_picture
         from signorini.plot.files import save
 
@@ -204,7 +204,7 @@ def _said(
 
 
 _ACROSS = 3
-"""Largest number of panels side by side."""
+"""Largest number of panels side by side in a picture."""
 _PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 
@@ -221,7 +221,7 @@ def profiles_csv(results: Results) -> str:
 
 def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
     """Draw a picture of every profile, with a curve for each combination."""
-    # matplotlib is imported only here.
+    # matplotlib is imported only when a picture is drawn.
     from signorini.plot.curves import profile_picture
     from signorini.plot.files import save
 

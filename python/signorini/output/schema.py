@@ -41,12 +41,12 @@ _TYPES: Mapping[str, Node] = {
 }
 _SUFFIXES = re.compile(r"\[\]|\{\}|\?|\(.*\)")
 _ROOTS = {JSON: ("results", SCHEMA), PATH_JSON: ("path", PATH_SCHEMA)}
-"""Table of schema.toml, and version, of each file."""
+"""Table of schema.toml and version of the schema, for each file of results."""
 _SIDES = {"max": "largest", "min": "smallest"}
 
 
 def _groups() -> dict[str, Iterable[Quantity]]:
-    """Groups of the registry by the names that schema.toml uses."""
+    """Groups of quantities in the registry, by the names that schema.toml uses."""
     return {
         **{name: of for name, of in vars(quantities).items() if isinstance(of, tuple)},
         "RESULTANTS": [LINEAR[name] for name in quantities.RESULTANTS],
@@ -145,7 +145,7 @@ def _keys(table: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]]) -> 
 
 
 def _node(said: str) -> Node:
-    """Schema of a value from "TYPE: description"."""
+    """Schema of a value from its text "TYPE: description" in schema.toml."""
     kinds, _, description = said.partition(": ")
     nodes = []
     for kind in kinds.split("|"):
@@ -171,7 +171,7 @@ def _or_null(node: Node) -> Node:
 
 
 def _numbers(of: Iterable[Quantity], form: str) -> dict[str, Node]:
-    """Schemas of numbers, or of their extremes, by key; vectors are arrays. ``form`` is the key of schema.toml."""
+    """Schemas, by key, of quantities or of their extremes; ``form`` is the key of schema.toml that lists them."""
     tree: dict[Any, Any] = {}
     extremes = form.endswith("extremes")
     for one in of:
@@ -180,7 +180,7 @@ def _numbers(of: Iterable[Quantity], form: str) -> dict[str, Node]:
         at, path = tree, (one.name,) if form.startswith("named") else one.path
         for key in path[:-1]:
             at = at.setdefault(key, {})
-        # The half-width of a count, in plus_minus, is no whole number.
+        # A count is a "number" here, since its half-width in plus_minus may be a fraction.
         number = _or_null({"type": "number"})
         at[path[-1]] = [_said(_or_null({"$ref": "#/$defs/extreme"}) if extremes else number, one)]
     return {key: _assembled(node) for key, node in tree.items()}

@@ -27,7 +27,7 @@ _LISTS = {
 """Lists of results.json and of its combinations, and lists within their entries, that a sheet shows."""
 _LENGTHS = ("s", "length", "width", "distance")
 _WIDTH = "± "
-"""Begin of the title of half-widths."""
+"""Beginning of the titles of columns with half-widths."""
 
 
 def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
@@ -46,7 +46,7 @@ def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
 
 
 def _table(name: str, rows: Sequence[Mapping[str, Cell]]) -> Sheet:
-    """Sheet of rows by column; a half-width follows its number."""
+    """Make a sheet from rows; the column of half-widths follows the column of their number."""
     found = dict.fromkeys(column for row in rows for column in row)
     numbers = [column for column in found if not column.startswith(_WIDTH)]
     columns = [title for column in numbers for title in (column, _WIDTH + column) if title in found]
@@ -91,7 +91,7 @@ def _finite(value: float) -> float | None:
 def _rows(
     values: Mapping[str, Any], owners: Sequence[str], parts: Sequence[str], exact: Mapping[Path, Quantity], units: Units
 ) -> Iterator[dict[str, Cell]]:
-    """Yield a row for each entry of the lists of results.json, or for each entry of the lists within these."""
+    """Yield a row for each entry of the lists ``owners`` of results.json or, with ``parts``, of lists within these."""
     for combination in ({**values, "name": None, "plus_minus": None}, *values["combinations"]):
         head: dict[str, Cell] = {"combination": combination["name"]}
         for owner, index, entry in ((of, *pair) for of in owners for pair in enumerate(combination.get(of, ()))):
@@ -158,7 +158,7 @@ def _envelopes(values: Mapping[str, Any], units: Units) -> Iterator[dict[str, Ce
 
 
 def _extremes(node: Any, widths: Any, words: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
-    """Yield the nodes of an envelope that have extremes, with the keys and names that lead there."""
+    """Yield the tables of an envelope that contain extremes: their keys and names, the table, and half-widths."""
     if isinstance(node, list):
         for index, entry in enumerate(node):
             if isinstance(entry, dict):

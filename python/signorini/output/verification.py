@@ -36,19 +36,19 @@ from signorini.results.quantities import Path, quantity_at
 TOLERANCE = 1e-7
 """Tolerance relative to the largest number of the same kind; certificates allow errors of 1e-8."""
 _OF_WIDTHS = 0.0101
-"""Relative tolerance for half-widths: one unit in the last of their three digits."""
+"""Relative tolerance for half-widths: they have three digits and may differ by one unit in the last."""
 _LARGEST_FILE = 1_000_000_000
 """Largest size in bytes of a file that is verified."""
 _NOT_RESULTS = ("program", "input", "options", "seconds")
 _OF_PATHS = ("add", "until", "steps", "at", "when", "events")
-"""Options of a path."""
+"""Options of `signorini.path` that a path.json stores, besides the start of the path."""
 _IN_REPORT = re.compile(r'<script\b[^>]*\bid="signorini-results"[^>]*>(.*?)</script>', re.DOTALL)
 """Element of a report that contains results.json, deflated and in base64."""
 _ABSENT = object()
 
 _PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
 _SAME = {"force": "reaction", "shear_stress": "stress"}
-"""Kinds that are compared with numbers of another kind of the same unit."""
+"""Kinds of numbers whose tolerance follows from the largest number of another kind, which has the same unit."""
 
 
 @dataclass(frozen=True)
@@ -77,13 +77,13 @@ class Difference:
 
     @property
     def difference(self) -> float | None:
-        """Stored minus computed value; None if one of them is no number."""
+        """Stored minus computed value; None if one of the two values is no number."""
         return self.stored - self.computed if _numbers(self.stored, self.computed) else None
 
 
 @dataclass(frozen=True)
 class Verification:
-    """Comparison of the values in a file with those computed again from its model.
+    """Comparison of the values in a file with the values computed again from its model.
 
     Parameters
     ----------
@@ -178,14 +178,14 @@ def _read(file: FilePath) -> dict[str, Any]:
         if not text.lstrip().startswith("{"):
             (coded,) = _IN_REPORT.findall(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
             text = zlib.decompressobj().decompress(base64.b64decode(coded), _LARGEST_FILE).decode()
-        # A longer integer is beyond the range of a float.
+        # Integers of 300 or more digits are read as floats, since longer ones are beyond the range of a float.
         stored = json.loads(text, parse_int=lambda digits: int(digits) if len(digits) < 300 else float(digits))
     except OSError as error:
         raise InputError(f"the file cannot be read: {error.strerror or error}.", place=str(file)) from None
     except (ValueError, zlib.error, RecursionError):
         stored = None
     if not isinstance(stored, dict) or not _table(_table(stored.get("input")).get("model")):
-        why = "it has no results of signorini with their model. Give a results.json, a path.json or a report (.html)."
+        why = "it has no results with an embedded model. Give a results.json, a path.json or a report (.html)."
         raise InputError(why, place=str(file))
     return stored
 
@@ -234,12 +234,12 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
     options = _table(stored.get("options"))
     if "engine" in options:
         raise InputError(
-            f"the results are of the engine {options['engine']}, but verify takes the embedded one. Solve the input "
-            "again with this engine and compare."
+            f"the results are of the engine {options['engine']}, but verify solves with the embedded engine. Solve the "
+            "input again with the stored engine and compare."
         )
     if "stops" in stored:
         if stored.get("interrupted"):
-            raise InputError("the path was interrupted, so it cannot be followed again.")
+            raise InputError("the load path was interrupted, so it cannot be computed again.")
         given = {key: options[key] for key in _OF_PATHS if key in options}
         found = load_path(model, options.get("from"), progress=watcher, **given)
         estimate = estimate_asked(found, watcher)
@@ -260,7 +260,7 @@ def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> 
 
 
 def _pairs(stored: Any, computed: Any, path: Path = ()) -> Iterator[tuple[Path, Any, Any]]:
-    """Yield the path, the stored and the computed value of every leaf of two trees."""
+    """Yield the path, the stored value and the computed value of every leaf of the JSON trees of two results."""
     if isinstance(stored, dict) and isinstance(computed, dict):
         for key in {**computed, **stored}:
             yield from _pairs(stored.get(key, _ABSENT), computed.get(key, _ABSENT), (*path, key))
@@ -272,7 +272,7 @@ def _pairs(stored: Any, computed: Any, path: Path = ()) -> Iterator[tuple[Path, 
 
 
 def _compared(pairs: list[tuple[Path, Any, Any]]) -> Iterator[tuple[Difference, bool]]:
-    """Yield the differences, and for each whether it is within the tolerance."""
+    """Yield each difference of a stored and a computed value, and whether it is within the tolerance."""
     scales = _scales(pairs)
     for place, (path, one, two) in enumerate(pairs):
         if one is _ABSENT:
@@ -285,7 +285,7 @@ def _compared(pairs: list[tuple[Path, Any, Any]]) -> Iterator[tuple[Difference, 
         elif one != two:
             tolerance = TOLERANCE * scales[_kind(path)]
             if path[-2:] == ("principal_moment", 2):
-                # The direction turns by the error of the moments over their difference.
+                # An error of the principal moments turns their direction by this error over the moments' difference.
                 apart = pairs[place - 2][2] - pairs[place - 1][2]
                 tolerance = math.degrees(TOLERANCE * scales["moment"] / apart) if apart else 180.0
             if "plus_minus" in path:

@@ -19,13 +19,13 @@ from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
 from signorini.singularities.named import singularities
 
 _WIDE = 0.5
-"""Largest ratio of a half-width to its number that is not reported."""
+"""Largest ratio of a half-width to its number for which there is no warning."""
 _NEAR = 4.0
 """Distance from a singularity, in element sizes, within which values depend on the mesh. It equals two elements of the
 coarser compared mesh, which has elements of double size.
 """
 _MINOR = 0.25
-"""Largest ratio of a half-width to the largest moment, or shear, of any direction that is not reported."""
+"""Largest ratio of a half-width to the largest moment (or shear) of all directions for which there is no warning."""
 _STRIP = 1e-3
 """Width ℓ of a strip, relative to the plate's size. Moments up to p ℓ² and shears up to p ℓ under the mean pressure p
 count as zero.
@@ -33,7 +33,7 @@ count as zero.
 
 
 def warnings_of(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Each warning, with the names of the combinations to which it applies; without names if it is about all."""
+    """Each warning, with the names of the combinations to which it applies; the list is empty if it applies to all."""
     of_table = [*table_warnings(results, estimates)] if results.model.tabulated else []
     warned: dict[str, list[str]] = {}
     for result in results.full.values():
@@ -46,7 +46,7 @@ def warnings_of(results: Results, estimates: Estimates | None) -> dict[str, list
 
 
 def _too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Yield a sentence if half-widths exceed half of the largest moments and shears, with the remedy."""
+    """Yield a warning, with a remedy, if half-widths exceed half of the largest moments or shears."""
     wide: dict[str, tuple[float, str]] = {}
     size = results.discretisation.mesh.size
     for fields, widths, force in _fields(results, estimates):
@@ -71,7 +71,7 @@ def _too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
 
 
 def _near_singularity(discretisation: Discretisation, xy: Sequence[float]) -> bool:
-    """Whether a point is so near to a singularity of moments or shears that the latter is reported instead."""
+    """Whether a point is near a singularity of moments or shears, which is then reported in place of the half-width."""
     place = np.array([xy])
     where = discretisation.mesh.locate(place)
     if not where.inside.all():

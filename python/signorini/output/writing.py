@@ -54,7 +54,7 @@ class Fields(Protocol):
         """Write the .pvtu file ``path`` and the .vtu files ``pieces``, which it lists."""
 
 
-_NOT_ITS = "it must be what signorini.estimate(results) returns."
+_NOT_ITS = "it must be the return value of signorini.estimate(results)."
 
 
 @checked
@@ -122,7 +122,7 @@ def write(
     if isinstance(results, Result):
         results = Results.alone(results)
     arguments.made_by(
-        results, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "results"
+        results, Results, "signorini.solve(model) returns Results, signorini.path(model, ...) a LoadPath.", "results"
     )
     if isinstance(estimate, Estimate):
         estimate = Estimates(results, {estimate.result.name: estimate}, None)

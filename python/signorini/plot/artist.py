@@ -72,7 +72,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _shared(sheets: Sequence[Sheet], count: int) -> list[list[Sheet]]:
-    """Distribute sheets over ``count`` processes, the largest first, each to the one with the fewest panels."""
+    """Distribute sheets over ``count`` processes: the largest sheet first, each to the process with fewest panels."""
     shares: list[list[Sheet]] = [[] for _ in range(count)]
     for sheet in sorted(sheets, key=lambda sheet: -sheet.panels):
         min(shares, key=lambda share: sum(sheet.panels for sheet in share)).append(sheet)

@@ -29,7 +29,7 @@ _ROOM, _LONGEST = 0.04, 40
 """Smallest distance of two event labels, relative to the last t; largest number of characters of a label."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
-"""Largest difference of equal curves, relative to the largest value of all curves."""
+"""Largest difference of two curves that count as equal, relative to the largest value of all curves."""
 _HEIGHT, _ROW = 2.3, 0.19
 """Least height of a panel, and height of a row of its legend [inches]."""
 
@@ -121,7 +121,7 @@ def load_path_picture(
     _mark_events(axes, [(at, words) for at, words in events if at <= shown[-1]], float(shown[-1]))
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     if until is not None:
-        _mark(axes, until, "beyond, too large to be drawn", _ASKED, bottom=True)
+        _mark(axes, until, "values beyond are too large to be drawn", _ASKED, bottom=True)
     if limit is not None:
         _mark(axes, limit, f"equilibrium ends at t = {plain(limit, 6)}", _END)
         axes[-1].set_xlim(right=max(_ROOM * limit + limit, axes[-1].get_xlim()[1]))
@@ -146,7 +146,7 @@ def _mark(axes: list[Axes], t: float, words: str, color: str, bottom: bool = Fal
 
 
 def _write_at_edge(axes: Axes, t: float, edge: float, words: str, **look: Any) -> None:
-    """Write a text at ``t`` at the lower edge 0 or the upper edge 1 of a panel."""
+    """Write a text at ``t`` at an edge of a panel: 0 is the lower edge, 1 the upper edge."""
     place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
     axes.annotate(literal(words), (t, edge), **place, **look)
 
@@ -164,7 +164,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """If values in the last 3 % of t are much larger, scale a panel by the earlier ones and note the larger ones."""
+    """If values in the last 3 % of t are much larger, scale a panel by earlier values and write the largest as text."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
@@ -247,7 +247,7 @@ def _unit_of(label: str) -> str:
 
 
 _ACROSS = 4
-"""Number of panels side by side on a landscape page."""
+"""Largest number of panels side by side in a picture of profiles, as on a landscape page."""
 
 
 def profile_picture(

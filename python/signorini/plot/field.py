@@ -49,7 +49,7 @@ _SHORTEST = 50.0
 _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
 """Candidate positions of a contour's label, as fractions of the contour's length."""
 _ON_OUTLINE = 1e-9
-"""Largest distance of points on an outline from it, relative to the plate's size."""
+"""Largest distance from an outline of a point that counts as on the outline, relative to the plate's size."""
 _NUMBERS = 8.5
 """Font size of the numbers of a colour bar [points]."""
 _LEAST_AWAY, _BESIDE = 0.45, 0.15
@@ -204,7 +204,7 @@ def _in_words(level: float, step: float) -> str:
     """
     if abs(level) < 1e-9 * step:
         return "0"
-    # A step of 2.5 has two digits, and its multiple 12.5 has three.
+    # Two digits are added, since a step such as 2.5 has two digits and its multiple 12.5 has three.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 3
     return plain(level, digits)
 

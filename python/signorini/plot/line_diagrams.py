@@ -74,7 +74,7 @@ def _draw(axes: Axes, diagram: LineDiagram, values: Floats, scale: float) -> Non
 def _of_sign(line: Floats, tips: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Base points and tips of the positive ordinates ``values`` (k,).
 
-    Other ordinates have length zero, and the zeros between two stations are inserted.
+    Negative ordinates are drawn with length zero. Between stations of opposite sign a point of value zero is inserted.
     """
     begin, end = values[:-1], values[1:]
     (crossed,) = np.nonzero(begin * end < 0.0)

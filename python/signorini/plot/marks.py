@@ -25,9 +25,9 @@ _ZONE = "#3f6f8f"
 LEGEND_SIZE = 8.5
 """Font size of legends [points]."""
 LARGEST, _SMALLEST = 8.5, 3.2
-"""Largest and smallest width of a mark [points]."""
+"""Largest and smallest width of the mark of a support [points]."""
 _SAMPLE = 7.0
-"""Width of a mark in the legend [points]."""
+"""Width of the mark of a support in the legend [points]."""
 _FEW = 600
 """Largest number of points for which all distances between points are computed."""
 _FITS = 0.8
@@ -72,7 +72,7 @@ def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
 
 
 def legend_words(marks: Sequence[SupportMark]) -> list[str]:
-    """Legend texts of supports."""
+    """Legend texts of the supports ``marks``."""
     return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 

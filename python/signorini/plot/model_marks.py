@@ -23,7 +23,8 @@ from signorini.shapes.arrays import Floats
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Colours of the first, second, ... load case; after the last colour they repeat."""
 _MAX_VALUES = 12
-"""Largest number of points of a load whose values are written beside them; for more points only the legend has it."""
+"""Largest number of points of a load whose values are written beside them; for more points only the legend has the
+value."""
 _MAX_PLACES = 5
 """Largest number of positions that are tried for a label along a line."""
 _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])
@@ -31,7 +32,7 @@ _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]]
 
 
 def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
-    """Draw one load, but no area outside the plate; return the legend entry."""
+    """Draw one load, with its area clipped to the outline ``plate``; return the legend entry."""
     positions, words = mark.positions, mark.label
     ring: dict[str, Any] = {"markersize": 11.0, "linestyle": "none", "color": colour, "markeredgewidth": 0.4}
     ring |= {"clip_on": False, "zorder": 6}
@@ -121,7 +122,7 @@ def draw_cuts(marks: Iterable[CutMark], axes: Axes, labels: Labels) -> list[Entr
         axes.annotate("", mark.line[-1], last, arrowprops=arrow, zorder=6.5)
         labels.beside(mark.name, [mark.line[0], mark.line[-1]], color=colour, zorder=8)
         if mark.borders is None:
-            entries["section"] = "section, its left and right as the arrow points", (Line2D([], [], **look),)
+            entries["section"] = "section; the arrow defines left and right", (Line2D([], [], **look),)
             continue
         left, right = mark.borders
         band: dict[str, Any] = {"facecolor": to_rgba(colour, 0.12), "edgecolor": colour, "linewidth": 0.6}
@@ -136,7 +137,7 @@ _INWARD = 8.0
 _FEW = 60
 """Largest number of singular points that are marked by rings; more points are marked by dots."""
 _MAX_WORDS = 3
-"""Largest number of kinds of singularities in the legend; more are only counted."""
+"""Largest number of kinds of singularities that the legend names; further kinds are counted."""
 _ALONG_EDGE = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
 """Candidate positions of an edge's name, as distances from the edge's middle; 1 is a fifth of the edge's length."""
 
@@ -202,7 +203,7 @@ def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> l
             ending = ", not balanced" if unbalanced else ""
             words = f"resultants of {len(others)}{more} combinations{ending}"
             if away.any():
-                words += f", {np.count_nonzero(away)} of them off the picture, as at {point(at[away.argmax()])}"
+                words += f", {np.count_nonzero(away)} of them off the picture, such as at {point(at[away.argmax()])}"
             entries.append((words, (Line2D([], [], **look),)))
     return entries
 

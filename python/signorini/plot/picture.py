@@ -147,7 +147,7 @@ class PressureLayer:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """A field in a picture: values (n,) at nodes, or the pressures of areas."""
+    """A field in a picture: values (n,) at nodes, or the contact pressures of area supports."""
 
     values: Floats | Sequence[PressureLayer]
     limits: tuple[float, float]  # smallest and largest coloured value; for pressures the range includes 0

@@ -101,7 +101,7 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
 
 
 def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
-    """Hatch the discs that a panel's extremes exclude; return the legend entry, if there are discs."""
+    """Hatch the discs around singular points that a panel's extremes exclude; return the legend entry, if any."""
     look: dict[str, Any] = HATCHED | {"facecolor": "none", "edgecolor": INK, "alpha": 0.6}
     discs = [Circle((x, y), radius) for x, y, radius in panel.hatched.tolist()]
     axes.add_collection(PatchCollection(discs, zorder=2.1, **look), autolim=False)
@@ -167,7 +167,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         remarks = [*(words for words, _ in _remarks(plan)), *excluded]
         page.make_room(picture.title, [*legend_words(picture.marks), *remarks])
     page.figure.set_dpi(DOTS)
-    canvas: Any = page.canvas  # matplotlib has no types for the methods of a canvas
+    canvas: Any = page.canvas  # matplotlib has no type hints for the methods of a canvas
     canvas.draw()
     shared = canvas.copy_from_bbox(page.figure.bbox)
     before = set(map(id, page.artists()))

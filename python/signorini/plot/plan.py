@@ -46,8 +46,8 @@ class Plan:
 
     nodes: Floats  # (n, 2): positions of the nodes
     cells: NDArray[np.int64]  # (e, 8): node numbers of the elements
-    left_out: NDArray[np.bool_] | None = None  # (e,): elements to hatch, without a field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points in the drawn window
+    left_out: NDArray[np.bool_] | None = None  # (e,): elements that are hatched and show no field
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points inside the window
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -71,7 +71,7 @@ class Plan:
     def edges(self) -> tuple[Path, Path, Path]:
         """Edges between elements; the plate's outline; and inner borders, along which each side has its own nodes."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
-        # Along a border the two elements have equal points in opposite order.
+        # Along an inner border, the edges of the two elements have the same points in opposite order.
         steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
         ends = np.sort(steps[..., 0] + 1j * steps[..., 1], axis=1)
         _, which, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -155,7 +155,7 @@ def set_window(axes: Axes, plan: Plan) -> None:
 def figure_of(axes: Axes) -> Figure:
     """Return the figure that contains the axes."""
     figure = axes.get_figure(root=True)
-    assert figure is not None, "axes are made with their figure"
+    assert figure is not None, "axes without a figure"
     return figure
 
 
@@ -180,7 +180,7 @@ def _joined(chains: Floats) -> Path:
 
 
 def runs(outline: Floats) -> list[slice]:
-    """Slices of a polyline (k, 2) between its rows of NaN."""
+    """Slices of the rows of a polyline (k, 2) between rows of NaN, which separate its pieces."""
     ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
     return [slice(a + 1, b) for a, b in pairwise(ends) if b > a + 1]
 
@@ -195,8 +195,7 @@ def enclosed(outline: Floats) -> Path:
     parts = []
     for number, loop in enumerate(pieces(outline)):
         (x, y), (u, v) = loop[:-1].T, loop[1:].T
-        # Reverse the loops so that the outline is counterclockwise and holes are clockwise: the path then excludes
-        # holes.
+        # The path excludes holes if the outline is counterclockwise and the holes are clockwise.
         turned = float(np.sum(x * v - y * u)) > 0.0
         codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
         parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
@@ -213,9 +212,10 @@ _FAR = (5.0, 14.0, 26.0, 40.0)
 _LEADER = 10.0
 """Smallest distance from a label to its point at which a line joins them [points]."""
 _APART, _MISTAKEN = 3.0, 400
-"""Distance [points] by which a label must be nearer to its own point than to others; cost if it is not."""
+"""Distance [points] by which a label must be nearer to its own point than to other points; cost, in eighths, of a label
+that is less near."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of a label that covers text, leaves the plan, or covers marks. The choice of the eighth direction costs 1."""
+"""Costs of a label that covers text, leaves the plan, or covers marks. Each further candidate position costs 1/8."""
 
 
 @dataclass(eq=False)
@@ -288,7 +288,7 @@ class Labels:
             turned.set(rotation=turns[best], **_look(size, color, look))
 
     def _best(self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False) -> int:
-        """Choose and reserve the box of least cost; ``order`` (k,) is added to its cost.
+        """Choose and reserve the box of least cost; ``order`` (k,), in eighths, is added to its cost.
 
         The boxes have centers (k, 2) and sizes ``extent`` in points. Return the index of the box, or -1 if ``free`` is
         True and it covers text.

@@ -1,4 +1,4 @@
-"""Arrays of maps as deflated bytes: node values as 16-bit integers on a decimal grid, indices as 16 or 32 bits."""
+"""Arrays of interactive maps as deflated bytes: node values as 16-bit integers on a decimal grid, and indices."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
 
 _MOST = 65_000
-"""Largest code of a value."""
+"""Largest integer by which a finite value is stored in 16 bits."""
 _MISSING = 65_535
-"""Code of a missing value."""
+"""Integer by which a missing value (NaN) is stored in 16 bits."""
 _LEVEL = 6
 """Level of compression: level 9 takes seven times as long for 1 % fewer bytes."""
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
@@ -27,8 +27,8 @@ _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 class Blobs:
     """Deflated arrays up to ``room`` bytes of base64; ``places`` are their offsets and lengths in ``content``.
 
-    Each begins at a multiple of three bytes, so that base64 can be sliced. Differences are stored as zigzag codes, low
-    bytes before high bytes: half the size of deflated values. Equal arrays are stored once.
+    Each array begins at a multiple of three bytes, so that base64 can be sliced. Differences are stored as zigzag
+    codes, low bytes before high bytes, which halves the size of the deflated array. Equal arrays are stored once.
     """
 
     room: int
@@ -74,12 +74,12 @@ class Grid:
 
     @cached_property
     def order(self) -> Ints:
-        """Stress nodes (s,) in the order of the page."""
+        """Indices of the stress nodes (s,) in the order in which the page stores them."""
         return np.lexsort((self._curve(self.nodes.points), self.ends[:, 0] >= 0))
 
     @cached_property
     def element_order(self) -> Ints:
-        """Elements (e,) in the order of the page."""
+        """Indices of the elements (e,) in the order in which the page stores them."""
         return np.argsort(self._curve(self.nodes.points[self.nodes.elements[:, :4]].mean(axis=1)), kind="stable")
 
     @cached_property
@@ -97,20 +97,20 @@ class Grid:
         return result
 
     def elements(self) -> Ints:
-        """Differences (8e,) of node numbers: the first node of every element, then the second, and so on."""
+        """Differences (8e,) of node numbers: between first nodes of successive elements, then second nodes, etc."""
         number = np.empty(self.nodes.count, np.int64)
         number[self.order] = np.arange(self.nodes.count)
         return np.diff(number[self.nodes.elements[self.element_order]].T.ravel(), prepend=0)
 
     def at_nodes(self, codes: Ints) -> Ints:
-        """Differences (s,) of codes (s,) at stress nodes."""
+        """Stored differences (s,) of codes (s,) at stress nodes, in the order of the page; see `Grid`."""
         first, second = codes[self.ends].T
         result = np.where(self.ends[:, 0] < 0, codes, codes - (first + second >> 1))[self.order]
         result[: self.corners] = np.diff(result[: self.corners], prepend=0)
         return result
 
     def on_elements(self, codes: Ints) -> Ints:
-        """Differences (e,) of codes (e,) of elements."""
+        """Differences (e,) between the codes (e,) of successive elements, in the order of the page."""
         return np.diff(codes[self.element_order], prepend=0)
 
 

@@ -21,7 +21,7 @@ from signorini.results.quantities import KINDS, Quantity
 _DIGITS = 5
 """Number of significant digits of numbers without half-width."""
 _FOLDED = 25
-"""Largest number of rows of a table that is not folded."""
+"""Largest number of rows of a table that is shown unfolded."""
 _ABSENT = "–"
 
 
@@ -37,7 +37,7 @@ class Cell:
 class Table:
     """A table with a caption, titles of columns, and rows of cells; the first column names the row.
 
-    The rows of an ``english`` table are messages of the program, as are the words of an ``english`` text.
+    If ``english``, the rows are messages of the program, which are in English in reports of every language.
     """
 
     block: ClassVar[str] = "table"
@@ -49,12 +49,12 @@ class Table:
 
     @property
     def folded(self) -> bool:
-        """Whether the table has so many rows that it is folded, unless it is ``open``."""
+        """Whether the table is folded: it has more than `_FOLDED` rows and is not ``open``."""
         return len(self.rows) > _FOLDED and not self.open
 
     @property
     def numbers(self) -> Sequence[bool]:
-        """Whether each column has numbers, which are aligned at the right."""
+        """For each column, whether it has numbers, which are aligned at the right."""
         return [any(row[at].value is not None for row in self.rows) for at in range(len(self.head))]
 
 
@@ -70,7 +70,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture with a caption, which also describes it where it cannot be seen."""
+    """A picture with a caption, which is also its alternative text."""
 
     block: ClassVar[str] = "picture"
     content: bytes
@@ -84,7 +84,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Label:
-    """A text in a drawing at a place, of a kind that the style sheet knows."""
+    """A text at a place x, y of a drawing; ``kind`` is its class in the style sheet."""
 
     x: float
     y: float
@@ -96,7 +96,7 @@ class Label:
 class Drawing:
     """A drawing as SVG with a caption: size, paths with their kinds, labels; ``legend`` has kinds and texts.
 
-    A diagram has ``data`` for the pointer.
+    A diagram has ``data``: the values that are shown at the pointer.
     """
 
     block: ClassVar[str] = "drawing"
@@ -109,18 +109,18 @@ class Drawing:
 
     @property
     def script(self) -> Markup:
-        """Content of the script element with the data."""
+        """Content of the HTML script element with the drawing's data."""
         return Markup(for_script(self.data))
 
     @property
     def kind(self) -> str:
-        """Class of the element."""
+        """CSS class of the drawing's HTML element."""
         return "diagram" if self.data else "perimeters"
 
 
 @dataclass(frozen=True)
 class Map:
-    """An interactive map: its name, and its markup within a largest size [bytes] of its arrays."""
+    """An interactive map: its name, and a function that returns its markup for a largest size [bytes] of its arrays."""
 
     block: ClassVar[str] = "map"
     name: str
@@ -144,7 +144,7 @@ class Section:
 
 
 def for_script(data: str) -> str:
-    """JSON for a script element: no text in it can end the element."""
+    """JSON for a script element, with letters escaped so that no text can end the element."""
     for letter in "<>&\u2028\u2029":
         data = data.replace(letter, f"\\u{ord(letter):04x}")
     return data
@@ -161,7 +161,7 @@ def data_uri(content: bytes, kind: str) -> str:
 
 
 def shown_in(quantity: Quantity, units: Units) -> tuple[float, str]:
-    """Factor and unit in which a report writes a quantity: that of the model, and `steel_unit` for areas of bars."""
+    """Factor and unit in which a report writes a quantity: the model's unit, or `steel_unit` for areas of bars."""
     return steel_unit(units.length) if quantity.kind == "reinforcement" else (1.0, quantity.unit(units))
 
 
@@ -179,7 +179,7 @@ class Writer:
     units: Units
 
     def __call__(self, key: str, **values: object) -> str:
-        """Text of the catalogue, with values filled in."""
+        """Text of the catalogue texts.toml in the report's language, with values filled in."""
         return str(_catalogue()["texts"][key][self.language]).format(**values)
 
     def translated(self, words: str) -> str:
@@ -200,7 +200,7 @@ class Writer:
         return self.number(value, width, size, shown_in(quantity, self.units)[0])
 
     def titled(self, key: str, kind: str) -> str:
-        """Text of the catalogue with the unit of a kind of quantities."""
+        """Text of the catalogue texts.toml, followed by the unit of a kind of quantities."""
         return self(key) + in_unit(Quantity("", kind).unit(self.units))
 
     def number(self, value: object, width: object = ..., size: float = 0.0, scale: float = 1.0) -> Cell:

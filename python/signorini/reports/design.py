@@ -24,10 +24,10 @@ from signorini.results.result import Result
 from signorini.singularities.singularity import away_from
 
 _EQUAL = 1e-9
-"""Largest difference of equal areas, relative to them."""
+"""Largest difference of two areas of reinforcement that count as equal, relative to the areas."""
 _GAMMAS = {"permanent": "γG", "variable": "γQ", "preload": "γP", "accidental": "γA", "seismic": "γAE"}
 _EVER_PRESENT = ("D", "Ev", "P")
-"""Symbols of ASCE 7 that are no variable loads."""
+"""Symbols of ASCE 7 for loads that act in every combination; loads with other symbols are variable."""
 
 
 def strengths(of: Contents) -> Iterator[Block]:
@@ -75,7 +75,7 @@ def strengths(of: Contents) -> Iterator[Block]:
 
 
 def _punched(of: Contents) -> dict[int, Check]:
-    """Check of one column of each table [[punching]] by its index; strengths in MPa may be those of [reinforcement]."""
+    """Check of one column of each table [[punching]], by the table's index; it has the strengths in MPa."""
     return {one.column.table: one.check for one in of.results.discretisation.columns.columns}
 
 
@@ -86,7 +86,7 @@ def _megapascals(of: Contents) -> float:
 
 
 def factors(of: Contents) -> Iterator[Block]:
-    """Yield the rules that generate combinations with their factors, the load cases as actions, and patterns."""
+    """Yield the rules that generate combinations, with their factors; the load cases as actions; load patterns."""
     write, model = of.write, of.results.model.original
     rules, symbols = list[Sequence[Cell]](), list[Sequence[Cell]]()
     tables = [one for one in model.combination if one.generate in ("en1990", "asce7")]
@@ -143,7 +143,7 @@ def _actions(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Iterat
 
 
 def _patterns(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Iterator[Block]:
-    """Yield which cases act as parts of one action, which exclude each other, and which act in full or not at all."""
+    """Yield sentences: which load cases are parts of one action, exclude each other, or act in full or not at all."""
     write = of.write
     kinds = {name: case.kind if "en1990" in codes else case.asce for name, case in cases.items()}
     variable = [name for name, kind in kinds.items() if kind not in (None, "permanent", "preload", *_EVER_PRESENT)]
@@ -158,7 +158,7 @@ def _patterns(of: Contents, cases: Mapping[str, Case], codes: set[str]) -> Itera
 
 
 class Layer(NamedTuple):
-    """The largest required area of one layer of bars, and the moments at its place."""
+    """The largest required area of one layer of bars, and the moments at the place of this area."""
 
     area: float
     moments: tuple[float, float, float]
@@ -168,11 +168,11 @@ class Layer(NamedTuple):
 
 
 def _largest(result: Result, name: str) -> Layer | None:
-    """Largest area outside singular places in one combination; of equal areas, that of the largest design moment."""
+    """Largest area outside singular places in one combination; among equal areas, at the largest design moment."""
     layers = list[Layer]()
     for member in result.members.values():
         nodes, bars = member.stress_nodes, member.model.bars
-        assert bars is not None  # the model has [reinforcement]
+        assert bars is not None  # the input has [reinforcement]
         area, design = member.fields[name], np.abs(member.fields[REINFORCEMENT[name]])
         known = away_from(nodes.mesh, member.singular, "moment")[nodes.nodes] & ~np.isnan(area)
         if not known.any():
@@ -230,12 +230,12 @@ def reinforcement(of: Contents) -> Iterator[Block]:
 
 
 def _any(of: Contents) -> Result:
-    """Some combination with an equilibrium."""
+    """Result of the first combination with an equilibrium, for data that all combinations share."""
     return of.results[next(solved(of.values))["name"]]
 
 
 def _governing(of: Contents, name: str) -> str | None:
-    """Combination with the largest value of a field of bars, for design moments at the top with the smallest."""
+    """Combination with the largest value of a field of reinforcement; the smallest value for top design moments."""
     ends = [of.results.envelope.field(on_plate(name, plate.name)) for plate in of.results.discretisation.members]
     sign = DESIGN_MOMENTS.get(name, 1.0)
     value, row = max((sign * one.max, one.max_by) if sign > 0.0 else (-one.min, one.min_by) for one in ends)
@@ -248,7 +248,7 @@ def _layer(of: Contents, name: str) -> str:
 
 
 def _largest_table(of: Contents, bars: en1992.Bars, lam: float) -> Iterator[Block]:
-    """Yield the largest area of each layer over all combinations."""
+    """Yield the table of the largest required area of each layer of bars over all combinations."""
     write, units, rows = of.write, of.results.model.units, list[Sequence[Cell]]()
     (area, unit), moment = steel_unit(units.length), f" [{units.force} {units.length}/{units.length}]"
     if not {*REINFORCEMENT} <= {*of.results.envelope.layout.fields}:
@@ -260,7 +260,7 @@ def _largest_table(of: Contents, bars: en1992.Bars, lam: float) -> Iterator[Bloc
         if layer is None or by is None:
             continue
         width = next((one[2] for one in extremes(of, name) if one[0] == "max" and one[3] == by), ...)
-        # Where the minimum governs, many combinations have the same area: take the one with the largest moment.
+        # If the minimum governs, many combinations have the same area; the table shows that with the largest moment.
         most = _governing(of, REINFORCEMENT[name]) or by
         other = _largest(of.results[most], name)
         if other is not None and other.area >= layer.area * (1.0 - _EQUAL):
@@ -302,7 +302,7 @@ _NOT_CHECKED: Mapping[str, Mapping[str, str]] = {
         "wall_ends": "ACI 318-19, 22.6.4",
     },
 }
-"""Checks that the program lacks, with their clauses by code."""
+"""Checks that the program does not make, with their clauses, by design code."""
 
 
 def not_checked(of: Contents) -> Iterator[Block]:
@@ -321,7 +321,7 @@ def not_checked(of: Contents) -> Iterator[Block]:
 
 
 def uncracked(of: Contents) -> Iterator[Block]:
-    """Yield the caveat of checked deflections, and where the tensile stress exceeds fctm in their combinations."""
+    """Yield the warning that checked deflections are of the uncracked plate, and places where tension exceeds fctm."""
     model, write = of.results.model, of.write
     checks = [one for one in of.values.get("checks") or () if "deflection" in one["of"].rpartition(".")[2]]
     if not checks or not codes_of(of.input):

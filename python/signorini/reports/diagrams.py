@@ -1,4 +1,4 @@
-"""Diagrams of a report as SVG: sections, strips, profiles and walls, with the data of a pointer."""
+"""Diagrams of a report as SVG: sections, strips, profiles and walls, with the values shown at the pointer."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from signorini.results.quantities import BY_LIST, MEANS, PICTURED, PRESSURE, RES
 _WIDE, _HIGH, _LEFT, _TOP, _FOOT = 720.0, 150.0, 82.0, 24.0, 30.0
 """Width of a diagram, height of a panel, and margins at the left, above and below, in CSS pixels."""
 _MOST = 8
-"""Largest number of curves in a panel; of more combinations the largest and the smallest values are shown."""
+"""Largest number of combinations with a curve each; for more, a panel has curves of the largest and smallest values."""
 _DIGITS, _TICKS, _APART = 4, 8, 13.0
 """Number of significant digits at axes, largest number of intervals between ticks, and distance of labels in pixels."""
 _PROFILED = ("deflection", *RESULTANTS, PRESSURE.name)
 _Curve = tuple[str, Sequence[float | None], Sequence[Any], Sequence[str]]
 """Curve over k places: name, values (k,), half-widths (k,) of the mesh error, governing combinations (k,).
 
-Without an estimate each half-width is ``...``. The combinations may be empty.
+Without an estimate each half-width is ``...``. Without combinations the last sequence is empty.
 """
 
 
@@ -37,9 +37,9 @@ class _Panel:
 
 
 def diagrams(of: Contents) -> Iterator[Drawing]:
-    """Yield the diagrams of sections, strips, profiles and walls over the combinations with all results."""
+    """Yield the diagrams of sections, strips, profiles and walls, for the combinations whose results are complete."""
     every, write = list(solved(of.values)), of.write
-    along = [one for one in MEANS if len(one.path) == 1]  # the others have a value for each face
+    along = [one for one in MEANS if len(one.path) == 1]  # a longer path leads to a value of one face
     for index, cut in enumerate(every[0]["sections"] if len(every) > 1 else ()):
         values = [one["sections"][index] for one in every]
         told = [found(one["plus_minus"], "sections", index) for one in every]
@@ -69,7 +69,7 @@ def diagrams(of: Contents) -> Iterator[Drawing]:
 
 
 def _panel(of: Contents, quantity: Quantity, path: tuple[str | int, ...], upward: bool = False) -> _Panel:
-    """Panel of a quantity at the stations below a path of each combination."""
+    """Panel of a quantity with a curve for each combination; ``path`` leads to the stations in results.json."""
     curves = []
     for one in solved(of.values):
         told = None if "line" in path or "profiles" in path else found(one["plus_minus"], *path)
@@ -86,7 +86,7 @@ def _curve(name: str, stations: Sequence[Any], told: Sequence[Any] | None, quant
 
 
 def _ends(side: str, curves: Sequence[_Curve], pick: Any) -> _Curve:
-    """Largest or smallest values over combinations."""
+    """Curve of the largest or the smallest values over the combinations ``curves``."""
     every = np.array([values for _, values, *_ in curves], np.float64)
     by = [0 if np.isnan(column).all() else int(pick(column)) for column in every.T]
     values = [curves[row][1][at] for at, row in enumerate(by)]
@@ -95,7 +95,7 @@ def _ends(side: str, curves: Sequence[_Curve], pick: Any) -> _Curve:
 
 
 def _diagram(words: str, distance: Floats, names: Sequence[str], panels: Sequence[_Panel], write: Writer) -> Drawing:
-    """Diagram of panels below each other over a distance, or over ``names`` at equal distances."""
+    """Diagram of panels, one below another, over a common distance, or over ``names`` at equal distances."""
     span = float(np.ptp(distance)) or 1.0
     x = _LEFT + (distance - distance.min()) / span * (_WIDE - _LEFT - 12.0)
     sizes: dict[str, float] = {}

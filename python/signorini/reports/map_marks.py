@@ -18,17 +18,17 @@ from signorini.results.marks import cut_marks, load_marks, support_mark, support
 from signorini.results.result import Result
 
 EXACT = 1e-4
-"""Distance of left-out vertices from a drawn line, relative to the plate's size: less than a pixel."""
+"""Largest distance of a left-out vertex from its drawn line, relative to the plate's size: less than a pixel."""
 _DIGITS = 5
 """Number of digits of the coordinates of lines."""
 
 
 def plate_marks(plate: Discretisation, columns: Iterable[Punched]) -> dict[str, Any]:
-    """Marks of one plate that no load changes, and perimeters of its punched columns, which are among ``columns``."""
+    """Marks of one plate that are equal in all combinations, with perimeters of those ``columns`` that are on it."""
     model, cuts, exact = plate.model, cut_marks(plate.model), plate.mesh.size * EXACT
     supports, loads = [], []
     for asked, one in zip(model.support, unsolved_marks(plate), strict=False):
-        # Vertices of lines have states, so that all of them are kept.
+        # A line support has a contact state at each vertex, so that all of its vertices are kept.
         whole = one.style == "area" and asked.where.region is None
         lines = [] if whole else _drawn(one, exact if one.style == "area" else 0.0)
         look: dict[str, Any] = {"kind": one.kind, "style": one.style, "numbers": list(one.numbers), "lines": lines}
@@ -58,7 +58,7 @@ def plate_marks(plate: Discretisation, columns: Iterable[Punched]) -> dict[str, 
 
 
 def _drawn(mark: SupportMark | LoadMark, exact: float) -> list[list[float]]:
-    """Points or lines of a mark as flat lists x, y, x, y."""
+    """Points or lines of a mark as flat lists of coordinates x, y, x, y."""
     if mark.style == "points":
         return lines_of(*mark.positions[:, None])
     return lines_of(mark.positions, exact=exact)
@@ -95,7 +95,7 @@ def _written(value: float, told: bool, width: float | None, size: float) -> str:
 
 
 def lines_of(*lines: Floats, exact: float = 0.0) -> list[list[float]]:
-    """Polylines (k, 2), divided at rows of NaN, as flat lists x, y, x, y; vertices within ``exact`` are left out."""
+    """Polylines (k, 2), divided at rows of NaN, as flat lists x, y, x, y, thinned to the accuracy ``exact``."""
     pieces = (piece for line in lines for piece in _pieces(line))
     return [rounded((thinned(one, exact) if exact and len(one) > 2 else one).ravel(), _DIGITS) for one in pieces]
 

@@ -57,15 +57,15 @@ class MapData:
 
 
 class _Layer(NamedTuple):
-    """Values (s,) at stress nodes or (e,) on elements; of an area with its number, else of the whole plate."""
+    """Values of a field, (s,) at stress nodes or (e,) on elements: of the whole plate, or of one area support."""
 
     values: Floats
     at_nodes: bool = True
-    bounds: tuple[float, float] | None = None  # a pressure outside them marks a gap
+    bounds: tuple[float, float] | None = None  # pressures outside these bounds mark a gap
     number: int = -1
     area: AreaContact | None = None
-    by: Ints | None = None  # (s,): numbers of the rows that the values of an envelope come from
-    key: Callable[[int], str] = str  # name of a row
+    by: Ints | None = None  # (s,): for an envelope, the row (combination) of each value
+    key: Callable[[int], str] = str  # name of the combination in a row
 
     @property
     def limit(self) -> float | None:
@@ -75,10 +75,10 @@ class _Layer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _OfResult:
-    """A state that is a result: a combination, or a stop of a path."""
+    """A state of a map that shows one result: a combination, or a stop of a load path."""
 
     about: dict[str, Any]
-    rank: int  # order in which fields are stored
+    rank: int  # fields of states with a lower rank are stored first
     result: Result
     estimates: Estimates | None = None
 
@@ -123,13 +123,13 @@ class _OfResult:
 
 @dataclass(frozen=True, eq=False)
 class _OfEnvelope:
-    """A state that is one end of an envelope: 0 the largest values, 1 the smallest."""
+    """A state of a map that shows one end of an envelope: ``end`` 0 has the largest values, 1 the smallest."""
 
     about: dict[str, Any]
     envelope: Envelope
     end: int
-    key: Callable[[int], str]  # name of a row under the pointer
-    label: Callable[[int], str]  # name of a row on the map
+    key: Callable[[int], str]  # long name of the combination in a row, for the pointer
+    label: Callable[[int], str]  # short name of the combination in a row, on the map
     estimates: Estimates | None = None
     rank: int = 0
 
@@ -189,7 +189,7 @@ class _OfEnvelope:
             yield _Layer(nodes.spread(values) if at_nodes else values, at_nodes, (0.0, np.inf))
 
     def _utilisation(self, plate: OfWhole, name: str) -> tuple[Floats, Ints]:
-        """Largest utilisation (s,) at the stress nodes of a plate, and the rows (s,) that it comes from."""
+        """Largest utilisation (s,) at the stress nodes of a plate, and the row (s,) of the table where each occurs."""
         field, check = utilisations(plate.own.model)[name]
         values, by = self.envelope.on(plate).utilisation(field, check)
         of_nodes = plate.own.stress_nodes.nodes
@@ -204,7 +204,7 @@ def _shown_in(model: Model, name: str) -> tuple[float, str]:
 def fields_of(model: Model) -> tuple[str, ...]:
     """Fields of a viewer, most important first: areas of bars, design moments, deflection, pressure, utilisations.
 
-    Von Mises' stress is no stress of concrete.
+    With reinforcement, von Mises' stress comes last, since it does not apply to concrete.
     """
     checked = tuple(utilisations(model))
     if model.bars is None:
@@ -250,7 +250,7 @@ def map_data(
     whole = Results.alone(results) if isinstance(results, Result) else results
     states, blobs = list(_states(results, estimates)), Blobs(budget)
     if not states:
-        raise InputError("found no combination with an equilibrium; a map needs a field.", place="results")
+        raise InputError("found no combination with an equilibrium; a map needs a result.", place="results")
     units, fields = whole.model.units, fields or fields_of(whole.model)
     main = {*MAIN, *utilisations(whole.model), *((*REINFORCEMENT, *DESIGN_MOMENTS) if whole.model.bars else ())}
     plates = [_Plate.of(plate, blobs, columns) for plate in whole.discretisation.members]
@@ -266,7 +266,7 @@ def map_data(
     for _, order, row, plate in asked:
         name, state, of = fields[order], states[row], plates[plate]
         values = list(state.layers(of.plate, name))
-        known = any(np.isfinite(one.values).any() for one in values)  # a given stiffness has no stresses
+        known = any(np.isfinite(one.values).any() for one in values)  # a plate given by its stiffness has no stresses
         layers = of.store(values, _largest(state, of.plate, name)) if known else []
         if layers is None:
             break
@@ -307,7 +307,7 @@ def map_data(
 
 
 def _largest(state: _State, plate: OfWhole, name: str) -> float:
-    """Largest magnitude in a state of the fields of one kind; values within its rounding are zero."""
+    """Largest magnitude, in a state, of all fields of the same kind; values below its rounding are stored as zero."""
     kind = quantity_of(plate.own.model, name)[0].kind
     alike = (one for one in FIELDS if PICTURED[one].kind == kind and state.has(plate, one))
     values = (layer.values for one in {*alike, name} for layer in state.layers(plate, one))
@@ -347,7 +347,7 @@ def _states(results: Results | Result | LoadPath, estimates: Estimates | None) -
 
 
 def _stops(path: LoadPath) -> list[int]:
-    """Rows of a path's stops in a viewer: events, thresholds and both ends, and equally spaced others."""
+    """Indices of the stops of a load path in a viewer: events, thresholds, both ends, and some equally spaced stops."""
     told = [row for row in range(len(path.stops)) if path.words(row)]
     others = [row for row in range(len(path.stops)) if not path.words(row)]
     places = np.unique(np.linspace(0, max(len(others) - 1, 0), max(_MOST_STOPS - len(told), 0)).astype(np.int64))
@@ -365,7 +365,7 @@ class _Plate:
 
     @classmethod
     def of(cls, plate: OfWhole, blobs: Blobs, columns: Sequence[Punched]) -> Self:
-        """Store the geometry of a plate."""
+        """Store the geometry of a plate in ``blobs``, and return the plate with its header."""
         nodes = plate.own.stress_nodes
         grid, low, size = Grid(nodes), nodes.points.min(axis=0), float(np.ptp(nodes.points, axis=0).max())
         codes = np.rint((nodes.points - low) / size * 65_535).astype(np.int64)
@@ -384,11 +384,11 @@ class _Plate:
             "discs": [],
         }
         if None in (header["index"], *header["xy"]):
-            raise InputError(f"found {blobs.room}; the mesh alone needs more bytes.", place="budget")
+            raise InputError(f"found {blobs.room}; the mesh alone needs more bytes than this.", place="budget")
         return cls(plate, blobs, grid, header)
 
     def store(self, layers: Sequence[_Layer], largest: float) -> list[dict[str, Any]] | None:
-        """Store the layers of a field and return their descriptions; None without room."""
+        """Store the layers of a field and return their descriptions; None if there is no room in ``blobs``."""
         result = []
         for layer in layers:
             codes, first, power = decimal_codes(layer.values, largest)

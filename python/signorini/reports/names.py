@@ -1,4 +1,4 @@
-"""Combinations in a report: "C17" in narrow places, "C17: ULS" elsewhere; with fewer than three only their names."""
+"""Texts for combinations in a report: "C17" in narrow places, else "C17: ULS"; of fewer than three, only the names."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from signorini.analysis.results import Results
 
 
 def short(results: Results, name: str) -> str:
-    """Number of a combination, "C17"."""
+    """Number of a combination, such as "C17"; its name if there are fewer than three combinations."""
     return f"C{results.number_of(name) + 1}" if len(results) > 2 and name in results else name
 
 
 def numbered(results: Results, name: str) -> str:
-    """Number of a combination with its name, "C17: ULS"."""
+    """Number of a combination with its name, such as "C17: ULS"; the name alone if there are fewer than three."""
     code = short(results, name)
     return name if code == name else f"{code}: {name}"

@@ -45,7 +45,7 @@ _MOST_REASONS = 20
 
 
 def _width(tree: Any, *keys: str | int) -> Any:
-    """Half-width below keys of "plus_minus"; ``...`` if no half-widths were computed."""
+    """Half-width at a path of keys in "plus_minus"; ``...`` if no half-widths were computed."""
     return ... if tree is None else found(tree, *keys)
 
 
@@ -68,7 +68,7 @@ def extremes(of: Contents, name: str, group: str = "") -> Iterator[tuple[str, fl
 
 
 class _Check(NamedTuple):
-    """A check in the summary; half-widths are None if unknown, ``...`` if none were computed."""
+    """A check in the summary; a half-width is None if it is unknown, ``...`` if half-widths were not computed."""
 
     name: str
     of: str
@@ -84,7 +84,7 @@ class _Check(NamedTuple):
 
 
 def _checks(of: Contents) -> list[_Check]:
-    """Checks and punched columns, the largest utilisation first."""
+    """Checks of the input and of punched columns, sorted by utilisation, the largest first."""
     result = list[_Check]()
     for one in of.values.get("checks") or ():
         width = ... if of.estimates is None else one["plus_minus"]
@@ -121,7 +121,7 @@ VERDICTS = {
     "no equilibrium": "no_equilibrium",
     "no value": "no_value",
 }
-"""Key in texts.toml of each verdict of `judged`."""
+"""Key in texts.toml of each verdict on a check, which `judged` returns."""
 
 
 def verdict_on(of: Contents, used: float, width: Any) -> tuple[bool | None, str]:
@@ -168,7 +168,7 @@ def extreme_results(of: Contents) -> Iterator[Block]:
 
 
 def _in_english(write: Writer) -> Iterator[Text]:
-    """Yield the sentence that messages of the program are English, in reports in another language."""
+    """Yield, in reports in another language, the sentence that messages of the program are in English."""
     if write.language != "en":
         yield Text(write("in_english"))
 
@@ -181,7 +181,7 @@ def _field_rows(of: Contents, names: Sequence[str], group: str) -> Iterator[Sequ
         governing = "min" if DESIGN_MOMENTS.get(name, 1.0) < 0.0 else "max"
         for side, value, width, by, at in ends:
             if side != governing and (name in DESIGN_MOMENTS or name in REINFORCEMENT):
-                continue  # it is 0
+                continue  # the other extreme of design moments and reinforcement is 0
             words = f"{write.label(PICTURED[name])}, {write(side)}"
             yield [Cell(words), write.value(PICTURED[name], value, width, size), Cell(of.code(by)), write.place(at)]
 
@@ -314,7 +314,7 @@ def _by_combination(of: Contents) -> Iterator[Block]:
     write, model = of.write, of.results.model
     areas = {support.name for support in model.support if support.area is not None}
     numbers = [pair for pair in by_combination(of.results) if pair[0].home != "support" or pair[0].subject in areas]
-    # Numbers of one kind, such as the two eccentricities, have one reference: one of them may be rounding errors only.
+    # Numbers of one kind, such as both eccentricities, share a reference size, since one may be a rounding error.
     sizes = {"length": of.results.discretisation.mesh.size}
     for one, values in numbers:
         kind = one.quantity.kind
@@ -358,12 +358,12 @@ def fields(of: Contents) -> Iterator[Block]:
 
 
 def _part(caption: str, first: int, count: int, across: int = _ACROSS) -> str:
-    """Caption of one of the tables that share ``count`` columns, at most ``across`` in each."""
+    """Caption, with a number, of one of the tables into which ``count`` columns are divided, ``across`` in each."""
     return f"{caption} ({first // across + 1})" if count > across else caption
 
 
 def _map(of: Contents, results: Results | LoadPath, name: str) -> Map:
-    """Interactive map with its texts in the language of the report."""
+    """Interactive map of results or of a load path, with its texts in the language of the report."""
 
     def markup(budget: int) -> str:
         own = results is of.results
@@ -481,7 +481,7 @@ def punching(of: Contents) -> Iterator[Block]:
 
 
 def sensitivities(of: Contents) -> Iterator[Block]:
-    """Yield a table of the derivatives of each number, in the combination in which it governs."""
+    """Yield a table of the derivatives of each number, in the combination in which the number is extreme."""
     write, each = of.write, of.values.get("sensitivities", ())
     if each:
         yield Text(write("sensitivity_words"))
@@ -508,7 +508,7 @@ def _with_unit(write: Writer, value: float | None, unit: str) -> Cell:
 
 
 def warnings(of: Contents) -> Iterator[Block]:
-    """Yield each warning with the combinations that it is about, and the places without a limit."""
+    """Yield each warning with the combinations that it is about, and the places where results have no limit."""
     for one in of.values["warnings"]:
         names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
         yield Text(one["text"] + names, "warning", english=True)

@@ -44,11 +44,11 @@ _LOGOS = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_LOGO = 500_000
 """Largest size of a logo [bytes]."""
 _LARGEST_PAGE = 1_900_000
-"""Largest size of a page with the arrays of its maps [bytes]; the texts of the maps come on top."""
+"""Largest size of a page with the arrays of its maps [bytes]; the texts of the maps are not counted."""
 _LEAST_MAP = 600_000
-"""Least room for the arrays of one map [bytes], also where the page then exceeds its largest size."""
+"""Least room for the arrays of one map [bytes], even if the page then exceeds its largest size."""
 _SECONDS = 180
-"""Longest time that a browser may take to print."""
+"""Longest time that a browser may take to print [seconds]."""
 
 _SECTIONS: Mapping[str, Callable[[Contents], Iterator[Block]]] = {
     "scope": lambda of: chain(sections.scope(of), design.not_checked(of)),
@@ -127,13 +127,13 @@ def report(
     arguments.path(path, "an HTML file", "path")
     if isinstance(results, Result):
         results = Results.alone(results)
-    arguments.made_by(results, Results, "signorini.solve(model) makes them.", "results")
+    arguments.made_by(results, Results, "signorini.solve(model) returns Results.", "results")
     if estimate is None and results.model.estimated:
         estimate = estimates_of(results, watching(None, ""))
     original = results.model.original
     try:
         source = original.to_toml()
-    except InputError:  # TOML has no functions
+    except InputError:  # TOML cannot contain a stiffness that is a Python function
         source = json.dumps(json.loads(original.provenance.text), indent=1, ensure_ascii=False)
     along_estimate = None if load_path is None else estimate_asked(load_path)
     return write_report(results, path, estimate, source, load_path, along_estimate, pdf, xlsx)
@@ -167,7 +167,7 @@ def write_report(
 def require_report(path: str | os.PathLike[str], pdf: bool = False, xlsx: bool = False) -> list[Path]:
     """Return the files of a report; refuse files that cannot be written, and a PDF or spreadsheet without its program.
 
-    So the report is refused before its results are computed.
+    Called before the results are computed, it refuses early a report that could not be written.
     """
     target = Path(path)
     if pdf:
@@ -183,7 +183,7 @@ def require_report(path: str | os.PathLike[str], pdf: bool = False, xlsx: bool =
 
 @contextmanager
 def _writing(file: Path) -> Iterator[None]:
-    """Context that refuses a file that cannot be written."""
+    """Context in which an error of writing a file is raised as `InputError`."""
     try:
         yield
     except OSError as error:
@@ -240,7 +240,7 @@ def _asset(name: str) -> str:
 
 
 def _embedded(values: Mapping[str, Any]) -> str:
-    """JSON for a script element, deflated and in base64."""
+    """results.json for a script element of the report, deflated and in base64."""
     text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
@@ -253,7 +253,7 @@ def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) ->
 
 
 def _quoted(text: str) -> str:
-    """Text as a string of CSS; all characters but letters and digits are escaped."""
+    """Text as a string of CSS; every character except letters and digits is escaped."""
     return '"' + "".join(one if one.isalnum() and one.isascii() else f"\\{ord(one):x} " for one in text) + '"'
 
 
@@ -288,7 +288,7 @@ def _print(page: Path, target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "report.pdf"
         options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile"]
-        # Tags of every cell would be a third of the file; the page itself is the version for screen readers.
+        # The PDF is untagged: tags of every table cell would be a third of it, and the HTML page serves screen readers.
         options += ["--disable-pdf-tagging", "--virtual-time-budget=20000", f"--print-to-pdf={made}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.append("--no-sandbox")  # Chromium has no sandbox for root

@@ -44,15 +44,15 @@ _FORMULAS = {
         "with_links": "vu / vu,max",
     },
 }
-"""Formulas of the numbers of punching by code."""
+"""Formulas of the numbers of a punching check, by design code."""
 KINDS_OF_LINES = ("u0", "dead", "u1", "uout")
-"""Kinds of lines of a column: its outline, bounds of sectors behind openings, control perimeter, outer perimeter."""
+"""Kinds of lines drawn for a column: outline, bounds of sectors behind openings, control and outer perimeter."""
 _SYMBOLS = {
     **{"force": "V", "inside": "ΔV", "moment_x": "Mx", "moment_y": "My", "beta": "β", "v_ed": "vEd"},
     **{"v_ed_face": "vEd,0", "v_rd_c": "vRd,c", "v_rd_max": "vRd,max", "asw": "Asw/s"},
 }
 _SYMBOLS_ACI = {"u1": "bo", "v_ed": "vu", "v_ed_face": "vu,0", "v_rd_c": "φ vc", "v_rd_max": "vu,max"}
-"""Symbols in formulas of numbers whose name differs; those of ACI 318."""
+"""Symbols in formulas, by name of the number, if they differ from the name; those of ACI 318 replace some."""
 _POWERS = {1: "", 2: "²", 4: "⁴"}
 _DIVISIONS = 20
 _STEP = 1.2
@@ -63,7 +63,7 @@ _SIZE, _MARGIN = 430.0, 1.12
 
 @dataclass(frozen=True, eq=False)
 class Punched:
-    """A column in the combination with its largest utilisation; ``widths`` by name, None without half-widths."""
+    """A punched column in the combination with its largest utilisation; ``widths`` are half-widths by name, or None."""
 
     of: ColumnResult
     combination: str
@@ -94,7 +94,7 @@ class Punched:
             for _ in range(_DIVISIONS):
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if plan.perimeter(middle, edges).pieces.length < wanted else (low, middle)
-        except InputError:  # the perimeter is beyond the slab
+        except InputError:  # the outer perimeter lies beyond the slab
             return []
         return self.of.column.drawn(plan.perimeter(high, edges).pieces)
 

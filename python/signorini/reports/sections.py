@@ -41,13 +41,13 @@ class Contents:
 
     @property
     def input(self) -> Mapping[str, Any]:
-        """Tables of the input."""
+        """Tables of the input file, from results.json."""
         tables: Mapping[str, Any] = self.values["input"]["model"]
         return tables
 
     @cached_property
     def quantities(self) -> Mapping[tuple[str, str], Quantity]:
-        """Quantities of the results by the kind of their owner and their name."""
+        """Quantities of the results, by the kind of their owner (such as "support") and their name."""
         every = (number for one in self.results.full.values() for number in one.catalogue.numbers)
         return {(number.home, number.what): number.quantity for number in every}
 
@@ -74,7 +74,7 @@ class Contents:
                 yield one
 
     def captioned(self, key: str, group: str) -> str:
-        """Text of the catalogue with the name of a group."""
+        """Text of the catalogue texts.toml, followed by the name of a group."""
         return self.write(key) + (f": {group}" if group else "")
 
     def place_of(self, index: int) -> tuple[str, int]:
@@ -110,7 +110,7 @@ def codes_of(tables: Mapping[str, Any]) -> list[str]:
 
 
 def scope(of: Contents) -> Iterator[Block]:
-    """Yield method, codes and domain of validity."""
+    """Yield the texts on the method, the design codes and the domain of validity."""
     write, program = of.write, of.values["program"]
     yield Text(write("method"))
     codes = ", ".join(codes_of(of.input))
@@ -143,7 +143,7 @@ def materials(of: Contents) -> Iterator[Block]:
 
 
 def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the keys of a table and of tables in it, joined by dots, with their values."""
+    """Yield the values of a table and of tables in it, each with its path of keys joined by dots."""
     for key, value in table.items():
         if isinstance(value, Mapping) and key not in without:
             yield from _flat(value, (), f"{before}{key}.")
@@ -152,7 +152,7 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
 
 
 def value_of(of: Contents, key: str, value: Any, table: Mapping[str, Any] | None = None) -> Cell:
-    """Cell of a value of the input with its unit, if the unit of its key is known; ``table`` has the place."""
+    """Cell of a value of the input with its unit, if known; it may depend on the place (line, area) in ``table``."""
     unit = "°" if key == "angle" else unit_of(key, of.write.units, table)
     return Cell(f"{_words(of, value)} {unit}".rstrip())
 

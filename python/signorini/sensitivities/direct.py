@@ -40,13 +40,13 @@ from signorini.sensitivities.parameters import Input, Parameter
 
 @dataclass(frozen=True)
 class _Stencil:
-    """Finite differences: a step relative to a parameter's reference size, and weights of values by offset in steps."""
+    """Finite-difference stencil: ``step`` relative to a parameter's reference size, ``weights`` by offset in steps."""
 
     step: float
     weights: Mapping[int, float]
 
     def rate(self, values: Mapping[int, Floats]) -> Floats:
-        """Derivative of values (k,), given by offset."""
+        """Derivative (k,), per reference size of the parameter, of k values that are given at each offset."""
         return np.asarray(sum(weight * values[offset] for offset, weight in self.weights.items()) / self.step)
 
 
@@ -56,26 +56,26 @@ _FOURTH_ORDER = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
 _LINEAR = tuple(_Stencil(1e-5, weights) for weights in (_CENTRAL, _FORWARD, _BACKWARD))
 """Stencils for parameters on which the state depends linearly: loads, gaps, settlements, preloads.
 
-The one-sided ones are for parameters at the end of their range, such as a gap of 0.
+One-sided stencils are for parameters at the end of their allowed range, such as a gap of 0.
 """
 _STIFF = (_Stencil(2e-4, _FOURTH_ORDER), *(_Stencil(1e-5, weights) for weights in (_FORWARD, _BACKWARD)))
-"""Stencils for parameters of stiffness; with larger steps, the rounding of the element matrices counts less."""
+"""Stencils for stiffness parameters; the larger step of the central one reduces rounding from element matrices."""
 _KINK, _LEAST_KINK = 0.02, 0.01
-"""Least second difference of a kink, relative to the first differences, and relative to the step times the largest
-number of its kind."""
+"""Smallest second difference that is a kink of a number: relative to the number's first differences, and relative to
+the step times the largest number of the same kind, such as all moments."""
 _AT_END = 1e-12
-"""Distance from the end of a piece that counts as zero, relative to the reference force or travel of the point."""
+"""Distance of a point from the end of its law's piece that counts as 0, relative to its reference force or travel."""
 _REACHED = 1e-7
-"""Least rate at which a point at the end of its piece leaves it, relative to the same reference."""
+"""Least rate of a margin at which a point leaves the end of its piece, relative to its reference force or travel."""
 _STILL = 1e-8
-"""Rate of a margin that counts as rounding, relative to the same reference."""
+"""Largest rate of a point's margin that counts as rounding, relative to the point's reference force or travel."""
 
 
 class _State(NamedTuple):
     """Contact points on given pieces of their laws, at displacements u; each array is (m,), ``margins`` (2, m).
 
     ``slope`` is the stiffness of the piece, infinite where it is rigid. ``line`` is the force at fixed u of points on
-    pieces of finite slope, 0 for others. ``offset`` is the deflection Gu of points on rigid pieces, 0 for others.
+    pieces of finite slope, 0 on rigid pieces. ``offset`` is the deflection Gu of points on rigid pieces, else 0.
     ``margins`` are the distances to both ends of the piece: in travel where the slope is 0, else in force.
     """
 
@@ -123,7 +123,10 @@ class _Variant:
 
 
 class _Rates(NamedTuple):
-    """Rates of all numbers (k,) per reference size of a parameter, kinks (k,), and the range of the parameter."""
+    """Rates of all k numbers for one parameter, per its reference size; ``kinks`` (k,) marks numbers with a kink.
+
+    ``valid`` is the parameter's range without a change of pieces; ``leaves`` says whether a point leaves at once.
+    """
 
     size: float
     numbers: Floats
@@ -136,7 +139,7 @@ class Direct:
     """Derivatives of all numbers of one combination, on the pieces of its answer."""
 
     def __init__(self, problem: ContactProblem, combination: Combination) -> None:
-        # Variants tighten their bolts by themselves, from gaps before the tightening.
+        # Each variant tightens the bolts again, and therefore starts from the gaps before tightening.
         self._loose = (problem.unmoved or problem).discretisation
         problem = tightened_by(problem, combination.factors or {}, lambda now: None)
         load = problem.discretisation.load(combination)
@@ -159,13 +162,13 @@ class Direct:
 
     @cached_property
     def _sizes(self) -> tuple[float, float]:
-        """Largest force on and largest travel of the plate."""
+        """Largest nodal load or reaction, and largest deflection plus largest gap: reference force and travel."""
         moved = np.abs((self.answer.hi + self.answer.lo)[::3]).max()
         force = max(np.abs(self.answer.reaction).max(initial=0.0), np.abs(self.base.load.nodal[::3]).max())
         return float(force), float(moved + np.abs(self.base.found.contacts.distance).max(initial=0.0))
 
     def sensitivity(self, number: Number) -> Sensitivity:
-        """Derivatives of a number of the catalogue."""
+        """Derivatives of one number of the catalogue with respect to parameters of the input."""
         result = self.result
         index, unit = result.catalogue.by_name[number.name], number.quantity.unit(result.model.units)
         value, combination = float(result.numbers[index]), self.base.combination
@@ -175,9 +178,9 @@ class Direct:
             rates = self.rates(one)
             slope, why = float(rates.numbers[index]) / rates.size, ""
             if rates.leaves:
-                why = "a contact point just opens, closes or reaches a limit; the slopes above and below differ."
+                why = "a contact point just opens, closes or reaches a limit; derivatives above and below differ."
             elif rates.kinks[index]:
-                why = f"{number.name} has a kink there: two places, or two terms of its formula, govern equally."
+                why = f"{number.name} has a kink at this value: two places or two terms of its formula are equal."
             if why or not math.isfinite(slope):
                 slope, why = math.nan, why or f"{number.name} has no value."
             elasticity = one.value / value * slope if value else math.nan
@@ -210,7 +213,7 @@ class Direct:
                 self.base.load.nodal + force, base.held.values + held, answer.piece
             )
         except RuntimeError:
-            raise InputError("the pieces of the contact points alone do not hold the plate.", one.path) from None
+            raise InputError("the plate can move on its contact state: no derivative.", one.path) from None
         du, reaction = (moved.hi - answer.hi) + (moved.lo - answer.lo), moved.reaction - answer.reaction
         numbers, margins = {0: self.result.numbers}, dict[int, Floats]()
         for offset, variant in variants.items():
@@ -226,7 +229,7 @@ class Direct:
         return _Rates(size, stencil.rate(numbers), self._kinks(stencil, numbers), valid, leaves)
 
     def _kinks(self, stencil: _Stencil, numbers: Mapping[int, Floats]) -> Bools:
-        """Mask (k,) of numbers whose slopes on both sides of the middle of three values differ."""
+        """Mask (k,) of numbers with a kink: slopes before and after the middle of three parameter values differ."""
         middle = min(max(0, min(numbers) + 1), max(numbers) - 1)
         low, here, high = (numbers[middle + offset] for offset in (-1, 0, 1))
         second, first = np.abs(low - 2.0 * here + high), np.abs(here - low) + np.abs(high - here)
@@ -248,7 +251,7 @@ class Direct:
         return max(abs(one.value), size) or 1.0
 
     def _variants(self, one: Parameter, size: float) -> tuple[_Stencil, dict[int, _Variant]]:
-        """Stencil, and the variants at its offsets; on one side if the input refuses values on the other side."""
+        """Stencil, and the variants at its offsets; a one-sided stencil if the input refuses values on one side."""
         refused: InputError | None = None
         for stencil in _LINEAR if one.is_linear else _STIFF:
             try:
@@ -280,7 +283,8 @@ class Direct:
     def _margins(self) -> tuple[Floats, Floats]:
         """Distances (2, m) of the points from the ends of their pieces, 0 within rounding; reference size (m,) of each.
 
-        The size is the largest travel on flat pieces; on others the force of the largest travel, or the largest force.
+        The size is the largest travel on flat pieces. On sloped pieces it is the force at the largest travel, at most
+        the largest force.
         """
         answer, (force, travel) = self.answer, self._sizes
         state = _state(self.base.found, answer.piece, answer.hi, answer.lo, answer.reaction)
@@ -290,9 +294,9 @@ class Direct:
     def _valid(
         self, one: Parameter, size: float, stencil: _Stencil, margins: Mapping[int, Floats]
     ) -> tuple[tuple[float, float], bool]:
-        """Range in which every margin (2, m) is positive to first order, and whether a point leaves its piece at once.
+        """Parameter range in which every margin is positive to first order; whether a point leaves its piece at once.
 
-        ``margins`` are those at the offsets of the stencil.
+        ``margins`` are the distances (2, m) of points from the ends of their pieces, at each offset of the stencil.
         """
         own, sizes = self._margins
         finite = np.isfinite(own)
@@ -322,7 +326,7 @@ def _require_alike(one: Parameter, base: Discretisation, other: Discretisation) 
 
     same = np.array_equal(base.mesh.points, other.mesh.points) and np.array_equal(base.held.dofs, other.held.dofs)
     if not (same and alike(base.contacts, other.contacts) and alike(base.springs, other.springs)):
-        why = 'another value moves the mesh or changes the kind of a support, as a gap above 0 with resists = "both"'
+        why = 'another value moves the mesh or changes the kind of a support (a gap above 0 with resists = "both")'
         raise InputError(f"{why}.", one.path)
 
 
@@ -360,5 +364,5 @@ def of_result(result: Result, name: str) -> Sensitivity:
         found = "no equilibrium" if result.status != "solved" else "a load of its own"
         raise InputError(f"found {found}; only a solved combination of the model has derivatives.", "sensitivity")
     if any(one.between for one in result.model.support) and not result.plates:
-        raise InputError("found the result of one of several plates; take that of all plates.", "sensitivity")
+        raise InputError("found the result of one of several plates; take the result of all plates.", "sensitivity")
     return sensitivity(_problem(result), result.combination.name, name)

@@ -23,7 +23,7 @@ _POSITIVE = frozenset(
         *("shear", "Dx", "Dy", "Dxy", "Sx", "Sy", "stiffness", "limit", "rotational_stiffness", "preload"),
     )
 )
-"""Keys whose values are positive; with a path that ends so, a value is changed in proportion to itself."""
+"""Keys whose values must be positive; such a parameter is changed by steps relative to its own value."""
 _SIGNED = frozenset(
     (
         *("nu", "nu_xy", "D1", "gap", "settlement", "rotation", "pressure", "force", "line_load", "moment"),
@@ -32,7 +32,7 @@ _SIGNED = frozenset(
 )
 """Keys whose values may be 0 or change sign."""
 _LINEAR = _SIGNED - {"nu", "nu_xy", "D1"} | {"preload", "unit_weight", "limit"}
-"""Keys of loads, and of gaps, preloads and limits of supports."""
+"""Keys on which the state depends linearly, for a fixed contact state: of loads, gaps, preloads and limits."""
 _CASE = re.compile(r'case\.(?:"([^"]+)"|(.+))\.factor')
 
 
@@ -85,18 +85,18 @@ class Parameter:
 
     @property
     def is_linear(self) -> bool:
-        """Whether the state depends linearly on the value while the contact state stays."""
+        """Whether displacements and reactions depend linearly on the parameter, for a fixed contact state."""
         return not self.place or any(key in _LINEAR for key in self.place)
 
     @property
     def travels(self) -> bool:
-        """Whether it is a travel of supports: a gap or a settlement."""
+        """Whether the parameter is a gap or a settlement of supports."""
         return any(key in ("gap", "settlement") for key in self.place)
 
     def varied(
         self, model: Model, tables: Mapping[str, Any], combination: Combination, value: float
     ) -> tuple[Model, Combination]:
-        """The model, and the combination of the same name, with another value of the parameter."""
+        """The model and the combination with another value of the parameter; the combination keeps its name."""
         if not self.place:
             factors = {**(combination.factors or {}), self.case: value}
             return model, combination.model_copy(update={"factors": factors})
@@ -107,7 +107,7 @@ class Parameter:
 
 
 def _at(tables: Any, place: Place) -> Any:
-    """The part of nested tables at a place; None where the tables have no such part."""
+    """The value or table at a key path ``place`` in nested tables; None if the path does not exist."""
     for key in place:
         try:
             tables = tables[key]
@@ -117,7 +117,7 @@ def _at(tables: Any, place: Place) -> Any:
 
 
 def _number(path: str, place: Place, model: Model, tables: Mapping[str, Any]) -> float:
-    """The number at a place: that of the input, or the default of the model."""
+    """The number at a key path ``place`` of the input or, if the input does not give it, the model's default."""
     value: Any = _at(tables, place)
     if value is None:
         value = model
@@ -127,7 +127,7 @@ def _number(path: str, place: Place, model: Model, tables: Mapping[str, Any]) ->
         value = value.value
     if isinstance(value, bool) or not isinstance(value, int | float):
         found = "nothing" if value is None else f'"{value}"' if isinstance(value, str) else "no number"
-        raise InputError(f"found {found}; the input must give a number there.", path)
+        raise InputError(f"found {found}; the input must give a number at this path.", path)
     return float(value)
 
 
@@ -139,7 +139,7 @@ class Input:
 
     @cached_property
     def tables(self) -> Mapping[str, Any]:
-        """Tables of the input file, of which the model may be a variant."""
+        """Tables of the input file; for a variant of a model, the tables of the original model."""
         tables: Mapping[str, Any] = json.loads(self.model.provenance.text)
         return tables
 

@@ -38,7 +38,7 @@ class CutLine:
     """A polyline that is continued beyond both ends, or that is closed: its last point is its first point.
 
     Points within a distance ``touching`` are on the line. ``ways`` (2,) are the directions of the continuations at the
-    first and the last point, None for a straight continuation. They influence only the side of a point.
+    first and the last point, None for a straight continuation. They only influence the side on which a point is.
     """
 
     def __init__(
@@ -141,14 +141,14 @@ class LeftOf:
 
 @dataclass(frozen=True, eq=False)
 class Common:
-    """The intersection of a region and a part."""
+    """The intersection of a region with another region, or with a part of one."""
 
     region: Region
     part: Part
 
     @property
     def outline(self) -> Outline:
-        """Both outlines; segments are divided where they cross the other outline."""
+        """Outlines of the region and the part; segments are divided where they cross the other outline."""
         both = self.region.outline, self.part.outline
         pieces = [_divided(a, b, other) for own, other in (both, both[::-1]) for a, b in own.segments]
         segments = np.concatenate([np.zeros((0, 2, 2)), *pieces])
@@ -156,22 +156,22 @@ class Common:
 
     @property
     def area(self) -> float:
-        """Upper bound of the area."""
+        """Upper bound of the intersection's area."""
         return min(self.region.area, self.part.area)
 
     @property
     def bounds(self) -> Box:
-        """Intersection of the bounding boxes."""
+        """Intersection of the bounding boxes of the region and the part."""
         (a, b, c, d), (x0, y0, x1, y1) = self.region.bounds, self.part.bounds
         return max(a, x0), max(b, y0), min(c, x1), min(d, y1)
 
     def contains(self, points: Floats) -> Bools:
-        """Mask (q,) of the points (q, 2) in both."""
+        """Mask (q,) of the points (q, 2) that are both in the region and in the part."""
         return np.asarray(self.region.contains(points) & self.part.contains(points))
 
 
 Part: TypeAlias = "Region | LeftOf | Common"
-"""A region, or a part of one: elements can be divided by its outline."""
+"""A region or a part of a region; elements can be divided along its outline."""
 
 
 def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:

@@ -72,7 +72,7 @@ class Targets:
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:
-        """Join several targets in one."""
+        """Join several `Targets` into one."""
         none = cls.of()
         return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 
@@ -105,7 +105,7 @@ class Targets:
 
 
 def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]:
-    """Targets along each named edge of the contours; only the edges ``names``."""
+    """Targets along each edge of the contours whose name is in ``names``."""
     result = dict[str, list[Side]]()
     for contour in contours:
         for name, sides in contour.edges.items():

@@ -10,13 +10,13 @@ import shapely
 from signorini.shapes.arrays import Floats
 
 _ON_LINE = 1e-12
-"""Points of the hull within this distance of a side are no corners; relative to the hull's size."""
+"""Largest distance from a side, relative to the hull's size, of a hull point that is not counted as a corner."""
 
 
 def hull(points: Floats) -> Floats:
-    """Corners (h, 2) of the convex hull of points (k, 2), counter-clockwise; both ends of points on a line.
+    """Corners (h, 2) of the convex hull of points (k, 2), counter-clockwise; the two end points if all are on a line.
 
-    If that line is oblique, rounding may add points between the ends.
+    If this line is oblique, rounding may add points between its ends.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Tolerances:
 
     @property
     def written(self) -> float:
-        """Largest distance from an edge or circle of a point that counts as on it; the input may have six digits."""
+        """Largest distance from an edge or circle of a point that counts as on it; inputs may have only six digits."""
         return 1e-6 * self.extent
 
     @property

@@ -1,4 +1,4 @@
-"""Outlines of plates, regions and curves: straight sides, circles and arcs; grid lines that meshes need there."""
+"""Outlines of plates, regions and curves: straight sides, circles and arcs; grid lines that meshes need along them."""
 
 from __future__ import annotations
 

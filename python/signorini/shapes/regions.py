@@ -17,7 +17,7 @@ from signorini.shapes import outlines
 from signorini.shapes.arrays import Bools, Floats
 
 _TOUCHING = 1e-12
-"""Largest distance of two sides that touch, relative to the polygon's size."""
+"""Largest distance of two sides that count as touching, relative to the polygon's size."""
 _KINK = 0.1
 """Smallest change of direction [rad] of an outline at a corner; where arcs join smoothly the change is smaller."""
 _SAME = 1e-6
@@ -157,7 +157,7 @@ class Rounded(outlines.Straight):
 
     @property
     def tips(self) -> Floats:
-        """Corners, and points of arcs with the largest or smallest x or y (t, 2)."""
+        """Points (t, 2): corners, and points of arcs with the largest or smallest x or y."""
         return np.concatenate([self.corners, *self._farthest])
 
     @cached_property
@@ -200,7 +200,7 @@ class Rounded(outlines.Straight):
     def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
         """Parts of arcs on which y only rises or only falls.
 
-        Each is its centre, radius, y of both ends, and 1 if it is to the right of the centre or −1 if to the left.
+        Each part has the centre, radius, y of both ends, and 1 if the part is right of the centre, −1 if it is left.
         """
         result = []
         for (begin, _, end), (center, radius, start, sweep) in zip(self.outline.arcs, self._arcs, strict=True):
@@ -293,7 +293,7 @@ def _require_simple(segments: Floats) -> None:
 
 
 def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
-    """Indices of the first two segments (k, 2, 2) of a line that cross, touch or fold back; None without such.
+    """Indices of the first two segments (k, 2, 2) of a line that cross, touch or fold back; None if no two do.
 
     Each segment may touch the next one at their common point only; so may the last and the first of a closed line.
     """
@@ -308,7 +308,7 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
         return piece, (piece + 1) % count
     sides = np.asarray(shapely.linestrings(segments))
     i, j = shapely.STRtree(sides).query(sides, "dwithin", _TOUCHING * size)
-    # Each pair of segments once, but not neighbours, which share a point.
+    # Keep each pair of segments once, and leave out neighbouring segments, since they share a point.
     apart = (j > i + 1) & ((i > 0) | (j < count - 1) | (not closed))
     return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
 
@@ -335,7 +335,7 @@ class Hollow(outlines.Drawn):
             (own,) = hole.loops
             size = overlap(own, own)
             if overlap(own, around) < (1.0 - _SAME) * size:
-                raise InputError(f"Hole {number + 1} reaches out of the area. Cut it to the area.")
+                raise InputError(f"Hole {number + 1} reaches out of the area. Cut the hole at the area's outline.")
             for other, earlier in enumerate(self.holes[:number]):
                 if overlap(own, earlier.loops[0]) > _SAME * size:
                     raise InputError(f"Holes {other + 1} and {number + 1} overlap. Draw them as one.")
@@ -349,7 +349,7 @@ class Hollow(outlines.Drawn):
 
     @cached_property
     def outline(self) -> outlines.Outline:
-        """The outline of the outer region together with those of the holes."""
+        """The outline of the outer region together with the outlines of the holes."""
         drawn = [part.outline for part in self.parts]
         return outlines.Outline(
             *(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs"))
@@ -357,7 +357,7 @@ class Hollow(outlines.Drawn):
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline, that of the outer region first."""
+        """Points (k, 2) along every outline; the outline of the outer region is the first."""
         return tuple(loop for part in self.parts for loop in part.loops)
 
     @property

@@ -25,17 +25,18 @@ from signorini.shapes.distances import depth
 from signorini.singularities.named import singularities_of
 
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
-"""Each row is (midpoint − p)/r and direction of a line: two lines through p, then the four sides of the square."""
+"""Lines of means, one a row, as (midpoint − p)/r and direction: two lines through p, four sides of the square."""
 _PARTS = 12
-"""Number of parts of a line, with two Gauss points each. It is even: moments have a kink at p, which is then between
-two parts.
+"""Number of parts of a line, with two Gauss points each. An even number puts p between two parts: moments have a kink
+at p.
 """
 _ON_FACE = 1e-9
 """Tolerance for positions on the outline of a column, relative to its size."""
 _BEYOND = 1.0 + 1e-6
-"""Distance of lines along faces from the middle, so that the faces of a column flush with an edge are off the plate."""
+"""Distance of the line along a face from the middle of the column, relative to the half width. Above 1, so that the
+face of a column flush with the plate's edge is off the plate."""
 PEAKS = ("moment", "shear")
-"""Results that have means, in the order of the columns of `Beside.numbers`."""
+"""Results whose means are taken at singular points, in the order of the columns of `Beside.numbers`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +112,7 @@ class Face:
         return cls(outline, (rows[0], rows[1]))
 
     def moment(self, moment: Floats, values: Floats) -> Floats:
-        """Moments (q, 3) within the column from moments (s, 3) at stress nodes; ``values`` (q, 3) without a line."""
+        """Moments (q, 3) in the column: means of ``moment`` (s, 3) at stress nodes, or ``values`` without a line."""
         x, y = (of @ moment for of in self.rows)
         result = values.copy()
         for axis, of in enumerate((x[:, 0], y[:, 1], np.concatenate([x, y])[:, 2])):
@@ -123,7 +124,7 @@ class Face:
 def faces_of(discretisation: Discretisation) -> tuple[Face, ...]:
     """Columns of one plate, see `Reinforcement.face`: footprints of supports, and circles around singular points.
 
-    Lines for a footprint are its faces; those for a circle are diameters.
+    Moments are averaged along the faces of a footprint, and along two diameters of a circle.
     """
     nodes, beside, model = discretisation.stress_nodes, beside_of(discretisation), discretisation.model
     singular = [(x, y) for x, y in beside.places[beside.columns].tolist()]
@@ -133,7 +134,10 @@ def faces_of(discretisation: Discretisation) -> tuple[Face, ...]:
 
 
 def at_faces(faces: Sequence[Face], moment: Floats, values: Floats, points: Floats) -> Floats:
-    """Moments (q, 3) for the design of bars at points (q, 2), from moments there and moments (s, 3) at stress nodes."""
+    """Moments (q, 3) for the design of bars at points (q, 2): ``values`` (q, 3) outside columns, means within.
+
+    The means within a column are computed from ``moment`` (s, 3) at stress nodes.
+    """
     result = values.copy()
     for face in faces:
         low, high = np.array(face.outline.bounds).reshape(2, 2)

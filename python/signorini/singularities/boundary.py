@@ -85,7 +85,7 @@ def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: fl
     The exponents are the zeros of the determinant of both edges' conditions on Williams' functions of plane stress
     (1952).
     """
-    # Points of the box's sides are dense near the real axis, since the exponents 0 and 1 lie just outside the box.
+    # The points are dense near the real axis, since the exponents 0 and 1 lie just outside this box of complex numbers.
     across, along = np.linspace(_LEAST, _MOST, _STEPS), _TALL * np.linspace(-1.0, 1.0, _STEPS) ** 3
     box = [across - 1j * _TALL, _MOST + 1j * along, across[::-1] + 1j * _TALL, _LEAST + 1j * along[::-1]]
     exponents = np.concatenate(box)
@@ -96,9 +96,9 @@ def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: fl
 
 
 def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
-    """Two boundary conditions of the edge at an angle: rows over Williams' four functions, without common factors.
+    """Two boundary conditions of an edge at a polar angle: coefficients of Williams' four functions, scaled freely.
 
-    The condition is slope = 0 where the slope is held, and moment = 0 where the slope is free.
+    The condition is slope = 0 if the edge holds the slope, and moment = 0 if the slope is free.
     """
     more, less = exponent + 1, exponent - 1
     # Airy's stress function is r^(λ + 1) F. The last two functions contribute an additional term to both slopes.
@@ -215,7 +215,7 @@ class Boundary:
         return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
-        """Held deflections of two sides at a corner: if all supports act, and if only those that cannot open act."""
+        """Whether two sides at a corner hold the deflection: with all supports, and with those that cannot open."""
         held, other_held = bool(self.held[side]), bool(self.held[other])
         lets_go, other_lets_go = bool(self.lets_go[side]), bool(self.lets_go[other])
         return {(held, other_held), (held and not lets_go, other_held and not other_lets_go)}
@@ -260,7 +260,7 @@ def boundary_of(discretisation: Discretisation) -> Boundary:
 
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
-    """Mask (k,): whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from those of settlement."""
+    """Mask (k,): whether slopes prescribed along tangents (k, 2) at points (k, 2) differ from the settlement's."""
     if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]

@@ -20,7 +20,7 @@ from signorini.singularities.singularity import Singularity, as_places
 _ENDS = 1e-9
 """Smallest line load at the end of a line at which the end is singular, relative to the load's largest value."""
 _BESIDE = "take values from beside these elements."
-_AS_ZONE = "Or define it by a zone, whose border the mesh follows."
+_AS_ZONE = "Or define the jump by a zone, whose border the mesh follows."
 _ON_SIDE = 1e-6
 """Largest distance from a side of an element at which a line counts as along the side, in reference coordinates."""
 
@@ -53,12 +53,15 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # Reflection continues a line load normal to the edge: with equal sign at a free edge, opposite at a held edge.
+    # A line load normal to an edge has a mirror image: of equal sign at a free edge, of opposite sign at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
 def _grows_on_edge(edge: Boundary, loaded: int, beside: int) -> bool:
-    """Whether shears are singular where a load on side ``loaded`` ends: at side ``beside`` or, if equal, within it."""
+    """Whether shears are singular where a line load on the side ``loaded`` ends, next to the side ``beside``.
+
+    If both sides are the same, the load ends within the side.
+    """
     if edge.held[loaded]:
         return False
     angle = np.pi
@@ -96,15 +99,15 @@ def ends_of_line(
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
         if along_edge or (len(directions) == 2 and not _bends(*directions)):
-            continue  # corners of the plate's edges are found in `Boundary.corners`
+            continue  # `Boundary.corners` finds the corners of the plate's edges
         if not rays:
             numbers = (("moment",) if held_slopes != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle, slopes split into parts even and odd about the line.
-            # In each part one of the two slopes is 0 on the line by symmetry.
-            # If the line holds the other slope too, both halves of the plate are clamped there for this part.
+            # At a right angle to the edge, slopes split into parts even and odd about the line.
+            # In the even part and in the odd part, one of the two slopes is 0 on the line by symmetry.
+            # If the line also holds the other slope of a part, the plate is clamped on both sides of it for this part.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)
@@ -152,7 +155,7 @@ def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
     parted = zones.parted[:, cut]
     borders = {f"Border of zone {number}": elements for number, elements in enumerate(parted, 1)}
     for subject, elements in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
-        advice = f"They are those of a laminate of both sides there; {_BESIDE} "
+        advice = f"Moments and shears within them are those of a laminate of both sides; {_BESIDE} "
         advice += to_follow(discretisation.model) if subject in borders else _AS_ZONE
         yield from _within(discretisation, cut[elements], subject, advice, "plate")
 
@@ -164,7 +167,7 @@ def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
         if along is None or not support.holds_rotation:
             continue
         subject = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
-        advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"
+        advice = f"Moments and shears within them are means of both sides; {_BESIDE} {to_follow(discretisation.model)}"
         yield from _within(discretisation, _crossed(discretisation, along), subject, advice, support.name)
 
 

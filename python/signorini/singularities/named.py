@@ -18,17 +18,17 @@ from signorini.singularities.boundary import boundary_of, shears_grow
 from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes
 from signorini.singularities.singularity import Singularity, as_places, at_peaks
 
-_FOOTPRINT = "Give it a footprint, patch or radius."
+_FOOTPRINT = "Replace the point by a footprint, patch or radius."
 _AROUND = 1e-5
 """Distance from a corner of a zone, relative to the plate's size, at which the sections around the corner are compared.
 """
 _ALIKE = 1e-3
 """Smallest relative difference of thicknesses around a corner of a zone that counts as a jump."""
 _EIGHT = np.array([[np.cos(a), np.sin(a)] for a in np.radians(22.5 + 45.0 * np.arange(8))])
-"""Unit vectors in eight directions, by which sections around a corner are compared."""
+"""Unit vectors in eight directions, in which thickness and rigidity around a zone's corner are compared."""
 _RESOLVED = 0.5
-"""Least width of a footprint relative to its element at which moments are resolved. They are too small by a fifth at a
-width of a third of an element, by a third at a tenth."""
+"""Smallest width of a footprint, relative to its element, at which moments are resolved. Moments are too small by a
+fifth at a width of 1/3 of the element, by a third at 1/10."""
 _MOST_PLACES = 6
 """Largest number of places that a sentence lists; results.json lists more."""
 
@@ -136,13 +136,15 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
         if support.is_rigid and base_jumps(support):
             subject = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
-            yield Singularity((), subject, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+            yield Singularity(
+                (), subject, numbers, "Replace the step by a ramp, or give the support a stiffness.", support.name
+            )
 
 
 def _off_bodies(
     discretisation: Discretisation, places: tuple[tuple[float, float], ...], outline: bool = True
 ) -> tuple[tuple[float, float], ...]:
-    """Those positions that are outside rigid zones; if ``outline``, a position on a zone's outline is dropped too.
+    """Positions that are outside rigid zones; if ``outline``, positions on the outline of a rigid zone are dropped too.
 
     Forces on rigid bodies cause no singularity.
     """
@@ -200,7 +202,9 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
         for numbers, points in ends_of_line(discretisation, along, support).items():
             if not (ends := _off_bodies(discretisation, points, outline=False)):
                 continue
-            advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
+            advice = (
+                "Give the line a stiffness, or take values from beside it." if rigid else "Take values from beside it."
+            )
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if support.area is None or not is_unyielding(support):
         return

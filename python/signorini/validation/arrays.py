@@ -16,7 +16,7 @@ _LCP = "R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear Complementarity Probl
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _problems()
     yield from _half_space()
     yield _elements()
@@ -121,7 +121,7 @@ def _problems() -> Iterator[Case]:
 
 
 def _love(x: np.ndarray, y: np.ndarray, side: float) -> np.ndarray:
-    """Deflection times πE/(1 − ν²) at (x, y) by a unit pressure on a square around the origin (Love 1929)."""
+    """Half-space: deflection times πE/(1 − ν²) at (x, y) by unit pressure on a square about the origin (Love 1929)."""
     result = np.zeros_like(x)
     for sign, a in ((1, x + side / 2), (-1, x - side / 2)):
         for other, b in ((1, y + side / 2), (-1, y - side / 2)):
@@ -139,7 +139,7 @@ def _pressed(n: int, depth: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[f
 
 
 def _half_space() -> Iterator[Case]:
-    """Punches on an elastic half-space: squares of constant pressure, pressures by Lemke's algorithm."""
+    """Yield cases of punches on an elastic half-space: pressures, constant on squares, by Lemke's algorithm."""
 
     def cells(n: int, extent: float) -> tuple[np.ndarray, np.ndarray]:
         at = (np.arange(-round(extent * n), round(extent * n)) + 0.5) / n
@@ -174,7 +174,7 @@ def _half_space() -> Iterator[Case]:
         "hertz",
         "Sphere on an elastic half-space (Hertz)",
         ("Lemke's algorithm", "own compliance", "lift-off"),
-        f"Paraboloid with gap r² pressed by δ = 1; {where}.",
+        f"Rigid paraboloid with the gap r², pressed into a half-space by δ = 1; {where}.",
         "H. Hertz (1881); K. L. Johnson, *Contact Mechanics*, 1985, chapter 4, with R = 1/2: contact radius "
         "a = √(Rδ), P = 4/3 E a³/(1 − ν²)R.",
         "analytical",
@@ -186,7 +186,7 @@ def _half_space() -> Iterator[Case]:
 
 
 def _elements() -> Case:
-    """Zero-energy modes of free elements."""
+    """Return the case that counts the zero-energy modes of free elements."""
     rigidity = Rigidity.isotropic(1.0, 0.3, 5 / 6).for_core
     corners = np.array([[0, 0], [1.1, 0.1], [0.9, 1.2], [-0.2, 0.8]])
     sides = (corners + np.roll(corners, -1, axis=0)) / 2
@@ -218,7 +218,7 @@ def _elements() -> Case:
         ("elements",),
         "Eigenvalues of the stiffness matrix of one distorted element, h = 0.1.",
         "T. J. R. Hughes, *The Finite Element Method*, 1987: three rigid motions; the reduced integration "
-        "of q8r has one mode more.",
+        "of q8r adds one mode.",
         "analytical",
         modes,
         (1,),

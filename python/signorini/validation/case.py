@@ -50,18 +50,18 @@ class Number:
     differs: str = ""
 
     def error(self, value: float) -> float:
-        """Relative error of a value; infinite for NaN, which neither agrees with a reference nor differs as stated."""
+        """Relative error of a value; infinite for NaN, so that NaN never agrees with a reference."""
         return math.inf if math.isnan(value) else abs(value - self.reference) / self.magnitude
 
     @property
     def magnitude(self) -> float:
-        """Magnitude that errors are relative to."""
+        """Magnitude to which the errors of this number are relative."""
         return self.size or abs(self.reference)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A problem with a published or recomputed answer.
+    """A validation case: a problem with a published or recomputed answer.
 
     Parameters
     ----------

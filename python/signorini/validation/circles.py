@@ -49,7 +49,7 @@ def _case(
     moments: tuple[float, float] = (1e-2, 1e-2),
     meshes: tuple[int, ...] = (4, 8, 16),
 ) -> Case:
-    """Case with the deflection and both moments at radius ``at``; a tolerance of 0 leaves a moment out."""
+    """Return a case with deflection and moments at radius ``at``; ``moments`` are tolerances, 0 for no moment."""
     w, radial, tangential = exact.at(at)
     where = "middle" if at == 0 else f"r = {at:g}"
     numbers = [Number(_W, f"w, {where}", w, 1e-3)]
@@ -74,7 +74,7 @@ def _case(
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     for fix, aster, h in (
         ("simple", "SSLS101", 0.1),
         ("clamped", "SSLS100", 0.1),
@@ -85,7 +85,7 @@ def cases() -> Iterator[Case]:
             f"Disc, {'simply supported' if fix == 'simple' else fix}, h/R = {h:g}"
             + (f" ({aster})" if aster != "thin" else ""),
             f"Disc of radius 1 and thickness {h:g}, E = 1, ν = 0.3, uniform pressure 1, rim {fix}.",
-            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) or qR⁴/64D, plus qR²/4κGh.",
+            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) (simple) or qR⁴/64D, plus qR²/4κGh.",
             Rings([_ring(0, 1, h, 1.0)], _NU, "centre", fix),
             {"shape": "disc", "radius": 1, "thickness": h},
             {"rim": fix},
@@ -146,7 +146,7 @@ def cases() -> Iterator[Case]:
 
 
 def _stepped() -> Case:
-    """Disc whose inner half is twice as thick."""
+    """Return the case of a disc that is twice as thick within half of its radius."""
     exact = Rings([_ring(0, 0.5, 0.1, 1.0), _ring(0.5, 1, 0.05, 1.0)], _NU, "centre", "simple")
     w, moment, _ = exact.at(0.0)
     return Case(
@@ -174,7 +174,7 @@ def _stepped() -> Case:
 
 
 def _arcs() -> Case:
-    """SSLS101 as a polygon of two arcs."""
+    """Return Code_Aster's case SSLS101, a disc, with the outline given as two arcs."""
     w, moment, _ = Rings([_ring(0, 1, 0.1, 1.0)], _NU, "centre", "simple").at(0.0)
     halves = [{"through": [0, 1], "to": [-1, 0]}, {"through": [0, -1], "to": [1, 0]}]
     return Case(

@@ -1,4 +1,4 @@
-"""Design codes: punching of a slab on one column, whose loads have the column's force and moments; reinforcement."""
+"""Cases of design codes: punching of a slab on one column, with given column force and moments; reinforcement."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from signorini.design.en1992_punching import moment_part
 from signorini.validation.case import Case, Number, Tables
 
 _SAFE = "Computers and Structures, *SAFE Software Verification*, example"
-_SLAB = "A slab on one column; forces at two points, outside the control perimeter, have the resultant of the example."
+_SLAB = "Modelled is a slab on one column. Two forces outside the control perimeter have the example's resultant."
 
 
 def _slab(
@@ -22,7 +22,7 @@ def _slab(
     at: tuple[float, float],
     check: Mapping[str, Any],
 ) -> Tables:
-    """Square slab around a column at the origin; the resultant of its loads is a force at ``at``."""
+    """Input of a square slab around a column at the origin; the resultant of its loads is a force at ``at``."""
     x, y = at
     length, of_force = units
     return {
@@ -62,7 +62,7 @@ def _case(
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _punching()
     yield from _reinforcement()
 
@@ -132,7 +132,7 @@ def _punching() -> Iterator[Case]:
 
 
 def _reinforcement() -> Iterator[Case]:
-    """One-way slab with the moment pL²/8."""
+    """Yield cases of required reinforcement: a one-way slab with the moment pL²/8."""
     for name, annex, alpha, printed in (
         ("cen", "recommended values", 1.0, 5.400),
         ("annex", "αcc = 0.85 of national annexes", 0.85, 5.446),

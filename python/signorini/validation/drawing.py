@@ -21,14 +21,14 @@ from signorini.results.support_result import areas_below
 _WIDTH = 3.0
 """Largest width of a plan [inches]: the text of a picture is readable on a page of 500 pixels."""
 _LONG = 4.0
-"""Least length over width of a strip, which is drawn as a curve along x."""
+"""Smallest ratio of length to width of a plate that is drawn as a strip: by a curve of the deflection along x."""
 _ALONG = 201
 """Number of points of a curve along a strip."""
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A picture (.png) of a plate: ending of the file's name, words, content."""
+    """A picture of a plate: suffix of its file name, caption, and content of the .png file."""
 
     ending: str
     words: str
@@ -41,7 +41,7 @@ def drawings(results: Results) -> Iterator[tuple[Drawing, Drawing]]:
     for (plate, result), discretisation in zip(members.items(), each, strict=True):
         ending, of = (f"-{plate}", f", plate {plate}") if plate else ("", "")
         soil = areas_below(result.supports)
-        # Rigid contact acts on means of elements; its pressures alternate from element to element.
+        # Rigid areas act on the mean deflection of each element; their pressures alternate from element to element.
         field = "pressure" if soil and not any(area.on_means for area in soil) else "deflection"
         low, high = result.mesh.points.min(axis=0), result.mesh.points.max(axis=0)
         if high[0] - low[0] > _LONG * (high[1] - low[1]):

@@ -17,7 +17,7 @@ _EDGES = ["left", "right", "bottom", "top"]
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _patches()
     yield from _two_plates()
     yield _ssnv129()
@@ -27,7 +27,7 @@ def cases() -> Iterator[Case]:
 
 
 def _patches() -> Iterator[Case]:
-    """Free meshes of quadrilaterals and triangles whose edges take the dofs of a constant state."""
+    """Yield patch tests: free meshes whose edge nodes have the displacements of a state of constant moment or shear."""
     h, nu, young = 0.1, 0.25, 1e6
     d, s = rigidity(young, h, nu), KAPPA * young * h / 2 / (1 + nu)
     # Constant shear along (0.6, 0.8): w = ξ/S − ξ³/6D and m = ξ along ξ, which is 1.16 at the probe.
@@ -77,12 +77,12 @@ def _patches() -> Iterator[Case]:
                 Number(f"probe[1].{key}", key, value, 1e-9, size=d if key.startswith("m") and name != "shear" else 1.0)
                 for key, value in numbers.items()
             ),
-            "On meshes of curved or strongly distorted elements the tests of the elements show the same.",
+            "Tests of the elements show that the state is exact on curved and strongly distorted elements too.",
         )
 
 
 def _two_plates() -> Iterator[Case]:
-    """Two simply supported squares of one outline that touch."""
+    """Yield cases of two simply supported square plates, one on the other, that touch."""
     thick, thin, young = 0.04, 0.02, 210e9
     part = thin**3 / (thick**3 + thin**3)
     w = Navier(4, 4, 0.0, uniform, shear_factor(thick, 0.0)).at(2, 2)[0] * 1e3 / rigidity(young, thick, 0.0)
@@ -107,7 +107,7 @@ def _two_plates() -> Iterator[Case]:
             ("several plates", "rigid contact", "hard edges"),
             "Two squares of 4 m, h = 0.04 m above 0.02 m, E = 210 GPa, ν = 0, both on hard edges, 1 kPa on the "
             f"{loaded} one.",
-            "Thin plates of one outline share a load as D₁ : D₂ while they touch; a load on the lower plate parts "
+            "Thin plates of equal outline that touch share a load as D₁ : D₂; a load on the lower plate separates "
             f"them. Deflection: {TIMOSHENKO}, chapter 5.",
             "analytical",
             tables,
@@ -129,7 +129,7 @@ def _two_plates() -> Iterator[Case]:
 
 
 def _ssnv129() -> Case:
-    """Two equal simply supported plates that touch."""
+    """Return Code_Aster's case SSNV129: two equal simply supported plates that touch."""
     young, nu, h, a, b, half = 2e11, 0.3, 0.5, 10.0, 5.0, 1.25e8
     w, _, my = Navier(a, b, nu, uniform, shear_factor(h, nu)).at(a / 2, b / 2)
     w *= half / rigidity(young, h, nu)
@@ -168,7 +168,7 @@ def _ssnv129() -> Case:
                 "w, printed",
                 0.3426875,
                 1e-2,
-                differs="The printed value has the digit 2 too many: Roark's 0.1110 p b⁴/Eh³ for the thin plate under "
+                differs="The printed value has an extra digit 2: Roark's 0.1110 p b⁴/Eh³ for the thin plate under "
                 "p = 1.25e8 is 0.346875. Shear strain adds 3.2 % to the thin plate's 0.34564.",
             ),
         ),
@@ -176,7 +176,7 @@ def _ssnv129() -> Case:
 
 
 def _cantilevers() -> Case:
-    """Stacked cantilevers that touch at the tip."""
+    """Return the case of two cantilevers, one above the other, that touch at the tip."""
     thick, thin, young = 0.05, 0.04, 210e9
     soft = {h: 4**3 / 3 / rigidity(young, h, 0.0) + 4 / (KAPPA * young * h / 2) for h in (thick, thin)}
     part = soft[thick] / (soft[thick] + soft[thin])
@@ -198,7 +198,7 @@ def _cantilevers() -> Case:
         ("several plates", "strip", "line load", "rigid contact"),
         "Two cantilevers 4 m × 0.5 m, h = 0.05 m above 0.04 m, E = 210 GPa, ν = 0; 1 kN/m on the tip of the upper one, "
         "contact along the tips.",
-        "Beam statics with shear strain: compliances c = L³/3EI + L/κGh, the lower one carries P c₁/(c₁ + c₂).",
+        "Beam statics with shear strain: compliances c = L³/3EI + L/κGh, the lower cantilever carries P c₁/(c₁ + c₂).",
         "analytical",
         tables,
         (8, 16, 32),
@@ -210,7 +210,7 @@ def _cantilevers() -> Case:
 
 
 def _curled() -> Case:
-    """Clamped plate that is heated on one face."""
+    """Return the case of a clamped plate that is heated on one face."""
     d, kappa, nu = rigidity(30e9, 0.2, 0.2), 1e-3, 0.2
     return Case(
         "curvature-clamped",
@@ -252,7 +252,7 @@ def _quarter(n: int, load: float, prop: Mapping[str, Any] | None) -> Tables:
 
 
 def _superposition() -> Case:
-    """The paper's theorem on the first example."""
+    """Return the case that checks the paper's superposition theorem on the paper's first example."""
 
     def solved(n: int, load: float, prop: Mapping[str, Any] | None) -> Result:
         return solve(Model.model_validate(_quarter(n, load, prop)))["all"]

@@ -1,4 +1,4 @@
-"""Write the pages of validation: one a case, the index by feature, and the comparison of ± with true errors."""
+"""Write the pages of validation: a page for each case, an index by feature, the comparison of ± with true errors."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from signorini.validation.runner import EXACT, Comparison, Outcome, model_of
 
 @dataclass(frozen=True)
 class Row:
-    """One number on one mesh, with relative error, ± and error of the reference."""
+    """One number of a case on one mesh: its relative error, the estimated ±, and the error of the reference."""
 
     case: Case
     number: Number
@@ -35,7 +35,7 @@ class Row:
 
     @property
     def verdict(self) -> str:
-        """Whether ± covers the error, alone or with the reference's own error."""
+        """Whether ± covers the error of the number, by itself or only together with the reference's own error."""
         if self.covered is None or self.width is None:
             return "no limit"
         if self.error <= self.width + EXACT:
@@ -66,7 +66,7 @@ def names_of(cases: Iterable[Case]) -> Iterator[str]:
 
 
 def write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
-    """Write page, input file and pictures of each case into a directory, the index, and the comparison of ±.
+    """Write an index, a comparison of ± with true errors, and page, input file and pictures of each case.
 
     All files are written, or none. They replace those of an earlier validation; files of other programs stay.
     """
@@ -111,7 +111,7 @@ def _write_pages(outcomes: Sequence[Outcome], directory: Path) -> None:
 
 
 def summary(rows: Sequence[Row]) -> dict[str, float]:
-    """Count half-widths that cover the error, alone and with the reference's own error; median of ± over error."""
+    """Count half-widths ± that cover the error, by themselves or with the reference's error; median of ± over error."""
     known = [row for row in rows if row.covered is not None and row.width is not None]
     ratios = [(row.width or 0.0) / row.error for row in known if row.error > max(row.own, EXACT)]
     return {
@@ -125,14 +125,14 @@ def summary(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def _conclusion(outcome: Outcome) -> str:
-    """Sentence on the numbers that agree, those that differ as stated, and those that break the verdict."""
+    """Count the numbers that agree with the reference; list those that differ as stated, or miss their tolerance."""
     every = outcome.comparisons
     agreeing = [one for one in every if one.within and not one.number.differs]
     parts = [f"{len(agreeing)} of {len(every)} numbers agree with the reference within the tolerance."]
     for one in every:
         name = one.number.label
         if one.number.differs:
-            stated = "as stated" if one.holds else "but the case states another difference"
+            stated = "as stated" if one.holds else "but the case states that they differ"
             parts.append(f"{name}: {one.errors[-1]:.2g} from the printed value, {stated}. {one.number.differs}")
         elif not one.within:
             parts.append(f"{name} misses its tolerance.")

@@ -39,7 +39,7 @@ def _plate(
     load: Mapping[str, Any],
     **more: Any,
 ) -> Tables:
-    """Rectangle with D = 1, n elements along x, and edges by name with their ``fix``."""
+    """Input of a rectangle with D = 1 and n elements along x; ``edges`` maps each edge to its ``fix`` or "free"."""
     fixes = {fix: [edge for edge, own in edges.items() if own == fix] for fix in set(edges.values()) - {"free"}}
     return {
         "material": {"E": 1 / rigidity(1.0, h, _NU), "nu": _NU},
@@ -60,7 +60,7 @@ _HARD = _edges("hard", "hard", "hard", "hard")
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _by_navier()
     yield from _by_levy()
     yield from _clamped()
@@ -70,7 +70,7 @@ def cases() -> Iterator[Case]:
 
 
 def _by_navier() -> Iterator[Case]:
-    """Hard simply supported plates."""
+    """Yield cases of hard simply supported plates, by Navier's series."""
     shear = shear_factor(1e-3, _NU)
     for name, title, what, series, size, load, source, at in (
         (
@@ -167,7 +167,7 @@ def _by_navier() -> Iterator[Case]:
 
 
 def _by_levy() -> Iterator[Case]:
-    """Plates with two opposite hard edges x = 0, a."""
+    """Yield cases of plates with hard edges at x = 0 and x = a, by Lévy's series."""
     for name, title, b, lower, upper, source in (
         ("two-clamped", "two edges clamped", 1.0, "clamped", "clamped", ""),
         ("one-clamped", "one edge clamped", 1.0, "simple", "clamped", ""),
@@ -218,7 +218,7 @@ def _by_levy() -> Iterator[Case]:
 
 
 def _clamped() -> Iterator[Case]:
-    """Clamped rectangle of SAFE example 2."""
+    """Yield the clamped rectangle of SAFE example 2."""
     edges = _edges("clamped", "clamped", "clamped", "clamped")
     places = ((0.75, 0.5), (0.75, 0.0), (0.0, 0.5))
     (w, mx, my), (_, _, long), (_, short, _) = (clamped(1.5, 1.0, _NU, *at) for at in places)
@@ -243,7 +243,7 @@ def _clamped() -> Iterator[Case]:
 
 
 def _orthotropic() -> Iterator[Case]:
-    """Ribbed plate by its stiffness."""
+    """Yield the case of a ribbed plate, which is given by its orthotropic rigidities."""
     dx, dy, h2, a, b = 10.0, 1.0, 3.0, 1.5, 1.0
     m, n = np.arange(1, 400, 2)[:, None], np.arange(1, 400, 2)[None, :]
     alpha, beta = m * pi / a, n * pi / b
@@ -297,7 +297,7 @@ def _polygon(
 
 
 def _outlines() -> Iterator[Case]:
-    """Triangles and an ellipse."""
+    """Yield cases of triangular plates and of an elliptical plate."""
     a, h, young = 3.0, 0.15, 1e7
     turns = np.radians([0.0, 120.0, 240.0])
     points = (2 * a / 3 * np.column_stack([np.cos(turns), np.sin(turns)])).tolist()
@@ -334,7 +334,7 @@ def _outlines() -> Iterator[Case]:
         "Right-angled isosceles triangle",
         ("polygon", "hard edges", "uniform pressure"),
         "Triangle (0, 0), (1, 0), (0, 1), h = 0.001, D = 1, ν = 0.3, q = 1, hard simply supported edges.",
-        f"{TIMOSHENKO}, chapter 9, by images in the square (A. Nadai 1925).",
+        f"{TIMOSHENKO}, chapter 9, by the method of images in the square (A. Nadai 1925).",
         "analytical",
         lambda n: right(1 / n),
         (8, 16, 32),
@@ -368,7 +368,7 @@ def _outlines() -> Iterator[Case]:
 
 
 def _skew() -> Iterator[Case]:
-    """Skew plates of NAFEMS and Razzaque."""
+    """Yield cases of skew plates, by NAFEMS and by Razzaque."""
 
     def rhombus(side: float, degrees: float) -> tuple[list[list[float]], list[float]]:
         angle = np.radians(degrees)

@@ -17,7 +17,7 @@ _MOFFITT = "C. J. Moffitt, *Footing soil pressure from biaxial loading*, Civil E
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _ssnl130()
     yield from _footings()
     yield from _discs()
@@ -29,7 +29,7 @@ def cases() -> Iterator[Case]:
 
 
 def _ssnl130() -> Iterator[Case]:
-    """SSNL130 on a continuous bed and on 17 lines, in both steps."""
+    """Yield Code_Aster's case SSNL130 in both load steps: on a continuous bed, and on springs along 17 lines."""
 
     def tables(along: int, n: int, support: Sequence[Mapping[str, Any]], young: float) -> Tables:
         return {
@@ -65,13 +65,13 @@ def _ssnl130() -> Iterator[Case]:
                 Number("soil.contact_area", "contact area [m²]", 1.5, 1e-2, uncertainty=1e-6),
                 Number("soil.reaction", "reaction [N]", 40 / 3, 1e-6, uncertainty=1e-9),
             ),
-            "The plate bends by 1e-7 of its deflection.",
+            "The bending of the plate is 1e-7 of its deflection, so that it acts as rigid.",
         )
         yield Case(
             f"ssnl130-lines-{step}",
             f"SSNL130, springs on 17 lines, step {step}",
             ("rectangle", "one-sided lines", "lift-off", "settlement", "pressure by a formula"),
-            f"As the continuous bed, but springs on 17 lines y = i/8, half as stiff at the ends; E = 2e13 Pa{what}.",
+            f"As SSNL130 on a bed, but springs on 17 lines y = i/8, half as stiff at both ends; E = 2e13 Pa{what}.",
             f"{_ASTER}: lines 0 to 12 touch, w(0) = 208/58875 m, w(2) = −176/153075 m.",
             "analytical",
             given(lambda n, lines: tables(n, 16 * n, lines, 2e13), lines),
@@ -100,7 +100,7 @@ def _rigid(
 
 
 def _biaxial(ex: float, ey: float) -> tuple[float, float]:
-    """Largest pressure and contact area of a unit square under a unit force at (ex, ey) from the middle."""
+    """Largest pressure and contact area of a rigid unit square on soil; a unit force acts (ex, ey) off its middle."""
     x = (np.arange(2000) + 0.5) / 2000 - 0.5
     y = x[:, None]
 
@@ -116,13 +116,13 @@ def _biaxial(ex: float, ey: float) -> tuple[float, float]:
 
 
 def _footings() -> Iterator[Case]:
-    """Square footings of side 2 under an eccentric force."""
+    """Yield cases of rigid square footings of side 2 under an eccentric force."""
     sixth = 1 / 12
     corner = 3 / (8 * 0.2 * 0.2)
     both = _biaxial(0.15, 0.15)
     for name, e, peak, area, source in (
         ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern p = P/A (1 + 6e/B)"),
-        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact 3(B/2 − e), p = 8/3 P/A"),
+        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact over 3(B/2 − e), p = 8/3 P/A"),
         ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern p = P/A (1 + 6eₓ/B + 6e_y/L)"),
         (
             "two-way",
@@ -155,15 +155,15 @@ def _footings() -> Iterator[Case]:
                 Number("soil.max_pressure", "largest pressure/(P/A)", peak, 1e-3, 4.0, own * peak),
                 Number("soil.contact_area", "contact/A", area, 1e-3, 0.25, 1e-3 if numeric else 1e-5),
             ),
-            "The thickness is half of the side and E/k is large, so that the footing bends by about 1e-5.",
+            "The thickness is half of the side and E/k is large, so that bending is about 1e-5 of the settlement.",
         )
 
 
 def _discs() -> Iterator[Case]:
-    """Rigid circular footings under an eccentric force."""
+    """Yield cases of rigid circular footings under an eccentric force."""
 
     def segment(c: float) -> tuple[float, float]:
-        """Return e/R and p/(P/A) of a disc of radius 1 with pressure ∝ x − c."""
+        """Return e/R and p/(P/A) of a disc of radius R = 1 with a pressure proportional to x − c for x > c."""
         x = np.linspace(c, 1.0, 200001)
         chord, rise = 2 * np.sqrt(np.maximum(1 - x**2, 0.0)), x - c
         force = np.trapezoid(chord * rise, x)
@@ -199,7 +199,7 @@ def _discs() -> Iterator[Case]:
 
 
 def _base_plate() -> Case:
-    """Base plate with two anchors in tension."""
+    """Return the case of a base plate with two anchors in tension."""
     return Case(
         "base-plate",
         "Rigid base plate on grout with anchors",
@@ -229,7 +229,7 @@ def _base_plate() -> Case:
 
 
 def _joints() -> Iterator[Case]:
-    """Preloaded joint before and after separation."""
+    """Yield cases of a preloaded joint before and after separation."""
     bed, bolt, force, n_bolts = 2e9, 2e8, 50e3, 4
     separates = n_bolts * force * (n_bolts * bolt + bed) / bed
     for name, pull in (("before", 0.8 * separates), ("after", 1.2 * separates)):
@@ -273,7 +273,7 @@ def _joints() -> Iterator[Case]:
 
 
 def _crushing() -> Case:
-    """Rigid block on soil that crushes."""
+    """Return the case of a rigid block on soil that crushes."""
     width, limit, eccentricity, stiffness = 2.0, 200e3, 0.3, 1e8
     force = 0.95 * limit * width * (width - 2 * eccentricity)
     mean, arm = force / width / limit, width / 2 - eccentricity
@@ -300,7 +300,7 @@ def _crushing() -> Case:
 
 
 def _prying() -> Case:
-    """Half of a T-stub as a strip."""
+    """Return the case of prying: half of a T-stub, modelled as a strip."""
     m, length = 1.0, 0.8
     prying = 3 * m**2 / (2 * length * (length + 3 * m))
     h = 0.005
@@ -335,7 +335,7 @@ def _prying() -> Case:
 
 
 def _flange() -> Iterator[Case]:
-    """Segment of an L-flange, against the bolt force of Schmidt and Neuper."""
+    """Yield cases of a segment of an L-flange, compared with the bolt force by Schmidt and Neuper."""
     young, t, a, b, c, force = 210e3, 120.0, 75.0, 70.0, 100.0, 1e6
     bolt, clamped = young * 1473 / (2 * t + 10), young * pi / 4 * ((74 + 24) ** 2 - 48**2) / (2 * t)
     p, q = bolt / (bolt + clamped), clamped / (bolt + clamped)
@@ -379,6 +379,6 @@ def _flange() -> Iterator[Case]:
             ),
             (6, 12, 24),
             (Number("bolt[1].reaction", "bolt F/F_V", bolt_force, tolerance, -1 / force, tolerance * bolt_force),),
-            "Comparison of two models: the reference assumes the place of the compression, the plate computes it. The "
-            "tolerance is that of the comparison, not of the mesh.",
+            "Two models are compared: the reference assumes the place of the compression, the plate computes it. The "
+            "tolerance covers the difference of the two models.",
         )

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from signorini.validation.drawing import Drawing
 
 EXACT = 1e-9
-"""Largest relative error that counts as rounding; it shows no rate of convergence."""
+"""Largest relative error that counts as rounding; smaller errors are left out of the rate of convergence."""
 
 
 @dataclass(frozen=True)
 class Solved:
-    """Numbers of a case on one mesh, as in the reference's unit.
+    """Numbers of a case on one mesh, in the units of their reference values.
 
     ``widths`` are the half-widths ±: None where a number has no limit, NaN where they were not estimated.
     """
@@ -53,32 +53,32 @@ class Comparison:
 
     @property
     def values(self) -> list[float]:
-        """Values, coarse to fine."""
+        """Values of the number, from the coarsest to the finest mesh."""
         return [mesh.values[self.place] for mesh in self.meshes]
 
     @property
     def widths(self) -> list[float | None]:
-        """Half-widths, coarse to fine."""
+        """Half-widths ± of the number, from the coarsest to the finest mesh."""
         return [mesh.widths[self.place] for mesh in self.meshes]
 
     @cached_property
     def errors(self) -> list[float]:
-        """Relative errors, coarse to fine."""
+        """Relative errors of the number, from the coarsest to the finest mesh."""
         return [self.number.error(value) for value in self.values]
 
     @property
     def within(self) -> bool:
-        """Whether the error on the finest mesh is at most the tolerance."""
+        """Whether the number's error on the finest mesh is at most its tolerance."""
         return self.errors[-1] <= self.number.tolerance
 
     @property
     def holds(self) -> bool:
-        """Whether the verdict of the case holds: within the tolerance, or different as the case states; not for NaN."""
+        """Whether the number is finite, and agrees with its reference or, if the case states so, differs from it."""
         return self.within != bool(self.number.differs) and math.isfinite(self.errors[-1])
 
     @property
     def rate(self) -> float | None:
-        """Slope of log error over log element size, through the meshes whose error exceeds the reference's own."""
+        """Slope of log error over log element size, for the meshes whose error exceeds that of the reference itself."""
         least = max(EXACT, self.number.uncertainty / self.number.magnitude)
         shown = [
             (mesh.n, error) for mesh, error in zip(self.meshes, self.errors, strict=True) if least < error < math.inf
@@ -90,7 +90,7 @@ class Comparison:
 
     @property
     def covered(self) -> list[bool | None]:
-        """Whether ± and the reference's own error cover the difference, by mesh; None without ±."""
+        """For each mesh, whether ± plus the reference's own error covers the number's error; None without ±."""
         size, result = self.number.magnitude, list[bool | None]()
         for error, width in zip(self.errors, self.widths, strict=True):
             unknown = width is None or math.isnan(width) or bool(self.number.differs)
@@ -109,17 +109,17 @@ class Outcome:
 
     @property
     def comparisons(self) -> list[Comparison]:
-        """Every number beside its reference."""
+        """Every number of the case beside its reference."""
         return [Comparison(number, self.meshes, place) for place, number in enumerate(self.case.numbers)]
 
     @property
     def holds(self) -> bool:
-        """Whether every verdict holds."""
+        """Whether every number of the case agrees or differs as the case states."""
         return all(one.holds for one in self.comparisons)
 
     @property
     def seconds(self) -> float:
-        """Duration of all meshes."""
+        """Duration in seconds of the solutions on all meshes."""
         return sum(mesh.seconds for mesh in self.meshes)
 
 
@@ -140,7 +140,7 @@ def model_of(case: Case, n: int) -> Model:
 
 
 def solve_on(case: Case, n: int, estimated: bool = True) -> Solved:
-    """Solve a case with n elements along a side; unless ``estimated``, half-widths are NaN."""
+    """Solve a case with n elements along a side; half-widths are NaN unless ``estimated`` is true."""
     begun = time.perf_counter()
     if case.direct:
         found = case.tables(n)
@@ -161,7 +161,7 @@ def solve_on(case: Case, n: int, estimated: bool = True) -> Solved:
 
 
 def values_of(case: Case, result: Result) -> tuple[float, ...]:
-    """Read the numbers of a case from a result, as in the reference's unit."""
+    """Read the numbers of a case from a result, in the units of their reference values."""
     by_name = result.catalogue.by_name
     return tuple(one.factor * float(result.numbers[by_name[one.name]]) for one in case.numbers)
 

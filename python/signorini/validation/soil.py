@@ -23,7 +23,7 @@ _OTHERS = "GetFEM (MITC4, 160 × 160 elements), CalculiX and OpenSees"
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _discs()
     yield from _infinite()
     yield from _panels()
@@ -60,7 +60,7 @@ def lifted_disc(radius: float) -> tuple[float, float, float]:
 
 
 def _discs() -> Iterator[Case]:
-    """Free discs on tensionless soil under a central force."""
+    """Yield cases of free discs on tensionless soil under a central force."""
     h = 0.01
     for radius in (3, 5):
         contact, centre, rim = lifted_disc(radius)
@@ -90,12 +90,12 @@ def _discs() -> Iterator[Case]:
                 Number("probe[2].deflection", "uplift of the rim −w kℓ²/P", -rim, 1e-2, -1.0, 1e-6),
             ),
             "Under a force at a point the deflection of a plate with shear strain grows with log n; at h = ℓ/100 "
-            "this is below 2e-3.",
+            "this part is below 2e-3 of the deflection.",
         )
 
 
 def _infinite() -> Iterator[Case]:
-    """Infinite plate on soil, as a disc of large radius."""
+    """Yield cases of an infinite plate on soil, modelled as a disc of large radius."""
 
     def plate(radius: float, fine: float, size: float, resists: str, load: Mapping[str, Any], h: float) -> Tables:
         arcs = [{"through": [0, radius], "to": [-radius, 0]}, {"through": [0, -radius], "to": [radius, 0]}]
@@ -124,7 +124,7 @@ def _infinite() -> Iterator[Case]:
             Number("soil.contact_area", "contact area/ℓ²", pi * contact**2, 1e-2, 1.0, 5e-5),
             Number("probe[1].deflection", "w kℓ²/P", centre, 1e-2, 1.0, 2e-3 * centre),
         ),
-        "The shear strain under the point force is below 2e-3 of the deflection.",
+        "Shear strain under the point force adds less than 2e-3 of the deflection.",
     )
     a = 0.5
     _, _, _, slope = kelvin(a)
@@ -184,8 +184,8 @@ def _infinite() -> Iterator[Case]:
             given(lambda n, box: slab(n, box), box),
             (1, 2, 4),
             (Number("probe[1].deflection", f"w kℓ²/P {title}", value, tolerance, 1.0, 3e-2 * value),),
-            "Both formulas are fits: of Westergaard to his series, and of Ioannides to finite elements. Their own "
-            "error is taken as 3 %; the square has the area of the circle that the formula is for.",
+            "Westergaard's formula is a fit to his series, that of Ioannides a fit to finite elements. The error of "
+            "both is taken as 3 %. The square has the area of the circle that the formulas are for.",
         )
 
 
@@ -207,7 +207,7 @@ def _panel(u: float, h: float, bed: float, terms: int = 400) -> tuple[float, flo
 
 
 def _panels() -> Iterator[Case]:
-    """Panels of infinite flat slabs; the model is a quarter of a panel with symmetry on all sides."""
+    """Yield cases of infinite flat slabs; the model is a quarter of a panel with symmetry on all sides."""
     u, h = 0.1, 0.005
 
     def tables(n: int, support: Sequence[Mapping[str, Any]], load: Sequence[Mapping[str, Any]]) -> Tables:
@@ -234,7 +234,7 @@ def _panels() -> Iterator[Case]:
         lambda n: tables(n, column, [{"pressure": 1.0}]),
         (10, 20, 40),
         (
-            Number("probe[2].deflection", "w D/qa⁴, middle less mean of the column", w, 2e-3),
+            Number("probe[2].deflection", "w D/qa⁴, middle of the panel minus mean over the column", w, 2e-3),
             Number("probe[2].mx", "m/qa², middle", m, 1e-2),
             Number("probe[1].mx", "m/qa² over the column", peak, 2e-2),
             Number("column.reaction", "reaction of a quarter column/qa²", 0.25, 1e-6),
@@ -263,7 +263,7 @@ def _panels() -> Iterator[Case]:
 
 
 def _obstacle() -> Case:
-    """Clamped disc over an obstacle."""
+    """Return the case of a clamped disc over an obstacle."""
 
     def free(r: float) -> float:
         return 0.5250406303 * r * r * log(r) - 0.6286090479 * r * r + 0.01726640079 * log(r) + 1.046746304

@@ -10,7 +10,9 @@ from signorini.validation.theory import TIMOSHENKO, Navier, rigidity, shear_fact
 
 _NU = 0.3
 _EDGES = ["left", "right", "bottom", "top"]
-_SPECTRAL = "High-order spectral solution of the Reissner–Mindlin plate with κ = 5/6, converged digits."
+_SPECTRAL = (
+    "High-order spectral solution of the Reissner–Mindlin plate with κ = 5/6; all printed digits have converged."
+)
 _CORNER = 0.0649646
 """Corner force R/qa² of the thin plate; Timoshenko and Woinowsky-Krieger (1959), art. 30."""
 
@@ -45,7 +47,7 @@ def _case(edges: str, held: Mapping[str, Any], h: float, numbers: list[Number], 
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     deflection, moment, edge, corner = ("probe[1].deflection", "probe[1].mx", "probe[2].mx", "probe[3].deflection")
     for h in (1e-4, 0.01, 0.1, 0.2):
         w, m, _ = Navier(1, 1, _NU, uniform, shear_factor(h, _NU)).at(0.5, 0.5)
@@ -86,7 +88,7 @@ def cases() -> Iterator[Case]:
                 Number(deflection, "w D/qa⁴, middle", w, 3e-3, uncertainty=5e-9),
                 Number(edge, "edge moment −mx/qa²", m, 3e-3, factor=-1, uncertainty=5e-6),
             ],
-            f"{_SPECTRAL} The thin plate of Timoshenko and Woinowsky-Krieger (1959) has 0.00126 and 0.0513.",
+            f"{_SPECTRAL} Thin plate, Timoshenko and Woinowsky-Krieger (1959): w = 0.00126, moment 0.0513.",
         )
     for h, w, m, up in ((0.1, 0.004805, 0.05275, 6.62e-4), (0.01, 0.004402, 0.05103, 7.43e-4)):
         yield _case(

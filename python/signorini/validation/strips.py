@@ -75,7 +75,7 @@ def _m(probe: int, label: str, value: float, tolerance: float = 1e-2, factor: fl
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     yield from _continuous()
     yield from _on_soil()
     yield from _tensionless()
@@ -83,7 +83,7 @@ def cases() -> Iterator[Case]:
 
 
 def _continuous() -> Iterator[Case]:
-    """Beams of several spans, and a span whose ends turn."""
+    """Yield cases of beams of several spans, and of a span whose ends turn."""
     spans = [{"name": f"s{i}", **_line(float(i), fix="simple")} for i in range(4)]
     yield _case(
         "beam-three-spans",
@@ -105,8 +105,8 @@ def _continuous() -> Iterator[Case]:
         "Two spans, one loaded: the far support lifts",
         ("lines of support", "one-sided lines", "lift-off"),
         "Two spans of 1 on lines that only push; q = 1 on the first span.",
-        f"{_STRENGTH}: held in both directions, the far reaction is −qL/16. Without tension the loaded "
-        "span is simple, with 5qL⁴/384EI in its middle and the uplift qL⁴/24EI at the far end.",
+        f"{_STRENGTH}: lines that hold in both directions would have the far reaction −qL/16. Without tension the "
+        "loaded span is simply supported: 5qL⁴/384EI in its middle, uplift qL⁴/24EI at the far end.",
         lambda n: _strip(2, n, push, [{"pressure": 1.0, "area": {"rectangle": [0, 0, 1, 1]}}], [0.5, 2.0]),
         [
             Number("s0.reaction", "end reaction/qL", 0.5, 1e-6),
@@ -151,7 +151,7 @@ def _continuous() -> Iterator[Case]:
 
 
 def _on_soil() -> Iterator[Case]:
-    """Beams on a bilateral Winkler bed of stiffness k = 4, so that λ = (k/4EI)^¼ = 1."""
+    """Yield cases of beams on a bilateral Winkler bed of stiffness k = 4, so that λ = (k/4EI)^¼ = 1."""
     soil = {"name": "soil", "area": "all", "resists": "both", "stiffness": 4.0}
     both = [{"name": "soil", "area": "all", "resists": "both", "stiffness": 4.0}]
     k = 4.0
@@ -238,7 +238,7 @@ def _on_soil() -> Iterator[Case]:
 
 
 def _tensionless() -> Iterator[Case]:
-    """The long strip on soil that only pushes."""
+    """Yield the case of a long strip on soil that only pushes."""
     peak, lam = 1 / tanh(pi / 2), 1 / sqrt(2)
     soil = [{"name": "soil", "area": "all", "resists": "down", "stiffness": 1.0}]
     yield _case(
@@ -260,7 +260,7 @@ def _tensionless() -> Iterator[Case]:
 
 
 def _lifted() -> Iterator[Case]:
-    """Heavy strips (p = 1) on a rigid floor, lifted or curled."""
+    """Yield cases of heavy strips (p = 1) on a rigid floor, lifted or curled."""
     floor = [{"name": "floor", "area": "all", "resists": "down"}]
     weight = {"pressure": 1.0}
     force = 0.5

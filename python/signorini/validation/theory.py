@@ -28,7 +28,7 @@ def shear_factor(thickness: float, nu: float) -> float:
 class Navier:
     """Navier's double sine series of a hard simply supported plate a × b.
 
-    ``pressure`` returns the coefficient of sin αx sin βy from arrays of m and n. ``shear`` is that of
+    ``pressure`` returns the coefficient of sin αx sin βy from arrays of m and n. ``shear`` is the return value of
     `shear_factor`; 0 gives the thin plate. ``bed`` is k/D.
     """
 
@@ -41,7 +41,7 @@ class Navier:
     terms: tuple[int, int] = (800, 800)
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Return w D, mx and my at (x, y)."""
+        """Return the deflection times D, and the moments mx and my, at (x, y)."""
         m, n = np.arange(1, self.terms[0])[:, None], np.arange(1, self.terms[1])[None, :]
         alpha, beta = m * np.pi / self.a, n * np.pi / self.b
         square = alpha**2 + beta**2
@@ -97,7 +97,7 @@ class Levy:
         self._constants = np.linalg.solve(matrix, -right[..., None])[..., 0]
 
     def at(self, x: float, y: float) -> tuple[float, float, float]:
-        """Return w D, mx and my at (x, y)."""
+        """Return the deflection times D, and the moments mx and my, at (x, y)."""
         weights = np.concatenate([self._constants, self._particular[:, None]], axis=1)
         shape, curved = (weights * self._basis(y, 0)).sum(axis=1), (weights * self._basis(y, 2)).sum(axis=1)
         sine, own = np.sin(self._alpha * x), self._alpha**2 * shape
@@ -105,7 +105,7 @@ class Levy:
         return float(sine @ shape), float(mx), float(my)
 
     def _basis(self, y: float, derivative: int) -> np.ndarray:
-        """Derivatives (m, 5) along y of e^±, αy e^± (scaled to 1 at the sides) and 1, divided by no power of α."""
+        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy (exponentials are 1 at a side) and 1."""
         result = []
         for sign in (1.0, -1.0):
             scaled = np.exp(sign * self._alpha * y - self._alpha * self._c)
@@ -163,7 +163,7 @@ class Ring:
 
 
 class Rings:
-    """Axisymmetric Reissner–Mindlin plate of rings with the edges "free", "simple", "clamped", or "centre" inside.
+    """Axisymmetric Reissner–Mindlin plate of rings; its edges are "free", "simple" or "clamped", or inside "centre".
 
     w = C₁r²/4 + C₂ ln r + C₃ + B(r²(ln r − 1)/4D − ln r/S) + q(r⁴/64D − r²/4S), with Q = −(B/r + qr/2);
     Timoshenko and Woinowsky-Krieger (1959), chapter 3, and the shear strain Q/S.
@@ -200,7 +200,7 @@ class Rings:
         self._constants = np.linalg.solve(np.array(rows), np.array(right)).reshape(-1, 4)
 
     def _terms(self, place: int, r: float) -> tuple[np.ndarray, ...]:
-        """Coefficients (5,) of C₁, C₂, C₃, B and 1 in w, φ, m_r, V and m_t."""
+        """Coefficients (5,) of C₁, C₂, C₃, B and 1 in deflection w, slope φ, m_r, shear V and m_t at radius ``r``."""
         ring = self.rings[place]
         D, S, q, log = ring.stiffness, ring.shear, ring.pressure, np.log(r)
         w = [r * r / 4, log, 1, r * r * (log - 1) / 4 / D - log / S, q * (r**4 / 64 / D - r * r / 4 / S)]
@@ -210,7 +210,7 @@ class Rings:
         return np.array(w), slope, radial, np.array([0, 0, 0, 1 / r, q * r / 2]), tangential
 
     def at(self, r: float) -> tuple[float, float, float]:
-        """Return w, m_r and m_t at a radius; at a border of two rings those of the inner one."""
+        """Return w, m_r and m_t at a radius; at a border of two rings they are the values of the inner ring."""
         place = next(i for i, ring in enumerate(self.rings) if r <= ring.outer)
         terms, known = self._terms(place, max(r, 1e-4 * self.rings[0].outer)), np.append(self._constants[place], 1.0)
         return float(terms[0] @ known), float(terms[2] @ known), float(terms[4] @ known)

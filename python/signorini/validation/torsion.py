@@ -12,7 +12,7 @@ _NU = 0.25
 
 
 def cases() -> Iterator[Case]:
-    """Yield the cases."""
+    """Yield the validation cases of this module."""
     for ratio, printed in ((5, 0.291), (10, 0.312)):
         yield _strip(ratio, printed)
     w = "probe[1].deflection"
@@ -21,7 +21,7 @@ def cases() -> Iterator[Case]:
         (1.0, 1.0),
         0.5,
         Number(w, "w of the end [m]", 1.1059e-3, 1.2e-2, uncertainty=1.1e-5),
-        "The reference is the beam's PL³/3EI. The clamped edge stiffens the plate, since it prevents curvature across.",
+        "The reference is the beam's PL³/3EI. The clamped edge prevents curvature along it, which stiffens the plate.",
     )
     yield _ssls27(
         "torsion",
@@ -40,7 +40,7 @@ def cases() -> Iterator[Case]:
 
 
 def _strip(ratio: int, printed: float) -> Case:
-    """Strip of width 1 under a torque of 1."""
+    """Return the case of a strip of width 1 under a torque of 1."""
     h, length = 1 / ratio, 6.0
     layer = h / sqrt(12 * KAPPA)
     closed = (1 - 2 * layer * tanh(0.5 / layer)) / 3
@@ -76,7 +76,7 @@ def _strip(ratio: int, printed: float) -> Case:
 
 
 def _ssls27(name: str, forces: tuple[float, float], at: float, number: Number, remark: str) -> Case:
-    """Cantilever plate under forces at the corners of its free end; w at the end, at y = ``at``."""
+    """Return a case of SSLS27: cantilever plate under forces at the corners of its free end; w there at y = ``at``."""
 
     def tables(n: int) -> Tables:
         return {
