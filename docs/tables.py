@@ -15,15 +15,16 @@ _KEYS = """# Keys of the input file
 
 `python docs/tables.py` generates this page from the schema. [input.md](input.md) explains the keys in context.
 
-Bounds hold for every number of a list and for every value of an expression."""
+A bound in the column "allowed" holds for every number of a list and for every value of an expression."""
 _QUANTITIES = """# Numbers of results
 
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
 
-Units are F (force) and L (length). Owners in the examples are the supports `AREA`, `LINE` (an edge, line or circle) and
-`POINTS`, the columns `COLUMNS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and
-of [thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
-`combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
+Units are F (force) and L (length). Names begin with the name of a support, columns, section or strip: `AREA` is a \
+support on an area, `LINE` a support on an edge, line or circle, `POINTS` a support at points; `COLUMNS` are columns, \
+`CUT` is a section, `STRIP` a strip. `Result.to_dataframe()` and [thresholds](paths.md#thresholds) use these names. \
+Paths begin in `combinations[]` of `results.json`. Columns are those of `combinations.parquet`; `output.envelope` \
+chooses the fields with columns of extremes. Contacts have the same numbers as supports."""
 _MODEL = """
 units = { length = "m", force = "kN" }
 material = { E = 1e7, nu = 0.2 }
@@ -52,7 +53,7 @@ punching = [{ support = "COLUMNS", code = "ACI 318-19", d = [0.15, 0.15], fck = 
 
 
 def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
-    """Name and schema of each table that is allowed as the value of a key."""
+    """Return name and schema of each table that is allowed as value of the key with the schema ``node``."""
     if "$ref" in node:
         return [(name := node["$ref"].rpartition("/")[2], definitions[name])]
     if "properties" in node:
@@ -61,19 +62,19 @@ def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
 
 
 def _section(title: str, *columns: str) -> str:
-    """Heading of a section, and of its table with these columns."""
+    """Return the Markdown heading of a section, and the head of its table with these columns."""
     return f"\n## {title}\n\n| {' | '.join(columns)} |\n|{'---|' * len(columns)}"
 
 
 def _row(key: str, node: Node, required: bool) -> str:
-    """Table row that describes a key."""
+    """Return the Markdown table row of a key of the input."""
     default, text = node.get("default"), node["description"].rstrip(".").replace("|", "\\|")
     shown = "" if default in (None, []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
     return f"| `{key}` | {text} | {allowed(node, '`{}`')} | {'required' if required else shown} |"
 
 
 def keys() -> str:
-    """Return docs/keys.md: a section for each table of the input file, followed by the tables that are its values."""
+    """Return the text of docs/keys.md: for each table of the input a section, then sections for its inner tables."""
     schema, lines, done = signorini.schema(), [_KEYS], set[str]()
     definitions, waiting = schema["$defs"], list[tuple[str, str, Node]]()
     for key, node in schema["properties"].items():
@@ -91,14 +92,14 @@ def keys() -> str:
 
 
 def _path(number: Number) -> str:
-    """JSON path of a number in results.json, without the indices of supports, points and so on."""
+    """Return the JSON path of a number in results.json, with [] for the indices of supports, points and so on."""
     own = len(number.path) - len(number.quantity.path)
     keys = (key if isinstance(key, str) else f"[{key if n >= own else ''}]" for n, key in enumerate(number.path))
     return ".".join(keys).replace(".[", "[")
 
 
 def quantities() -> str:
-    """Return docs/quantities.md, from a model with supports, sections and so on of all kinds."""
+    """Return the text of docs/quantities.md, from two models that have supports, sections and so on of all kinds."""
     model, lines, units = signorini.loads(_MODEL), [_QUANTITIES], signorini.Units(length="L", force="F")
     every = [signorini.solve(one)["all"].catalogue for one in (model, signorini.loads(_COLUMNS))]
     numbers = [*every[0], *every[1].only(lambda one: one.home == "punching")]

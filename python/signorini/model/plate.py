@@ -357,7 +357,7 @@ class PolygonPlate(OutlinedPlate):
 
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[base.Complaint]:
     if max(map(abs, point)) > _MAX_OFFSET * size:
-        why = f"found {list(point)}: its distance is over {_MAX_OFFSET:g} times the plate's size. Move the plate to the origin."
+        why = f"found {list(point)}: over {_MAX_OFFSET:g} times the plate's size. Move the plate to the origin."
         yield (key,), why
 
 

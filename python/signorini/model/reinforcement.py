@@ -58,10 +58,10 @@ class Reinforcement(Table):
             yield (), f"found {' and '.join(given) or 'no distances'}; give cover and bar, or d_top and d_bottom."
 
     def complaints_in(self, length: str, force: str) -> Iterator[Complaint]:
-        """Yield a problem if a unit is unknown, or if a strength, converted to MPa, is outside the range of the code."""
+        """Yield a problem if a unit is unknown, or if a strength, in MPa, is outside the range of the code."""
         for key, unit, known in (("length", length, METRES), ("force", force, NEWTONS)):
             if unit not in known:
-                why = f"{self.code} needs a known unit of {key}: give units.{key} as one of {', '.join(known)}."
+                why = f"{self.code} needs a known unit: units.{key} must be one of {', '.join(known)}."
                 yield (), f"found {unit!r} as unit of {key}; {why}" if unit else why
                 return
         for key, (least, most) in (("fck", en1992.STRENGTHS), ("fyk", en1992.YIELD_STRENGTHS)):
