@@ -357,8 +357,8 @@ class PolygonPlate(OutlinedPlate):
 
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[base.Complaint]:
     if max(map(abs, point)) > _MAX_OFFSET * size:
-        why = f"found {list(point)}: over {_MAX_OFFSET:g} times the plate's size. Move the plate to the origin."
-        yield (key,), why
+        why = f"farther away than {_MAX_OFFSET:g} times the plate's size. Move the plate to the origin."
+        yield (key,), f"found {list(point)}: {why}"
 
 
 def _file(value: object) -> FilePath:
