@@ -127,7 +127,7 @@ class Material(Table):
             most = math.sqrt(self.axes.Ex / self.axes.Ey)
             yield (
                 ("nu_xy",),
-                f"found {self.nu_xy:g}; |nu_xy| must be less than √(Ex/Ey) = {most:.6g}. Is it the ratio under "
+                f"found {self.nu_xy:g}; |nu_xy| must be less than √(Ex/Ey) = {most:.6g}. Is this value the ratio under "
                 "tension along the second axis, nu_yx = nu_xy Ey/Ex?",
             )
 

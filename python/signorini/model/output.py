@@ -155,7 +155,8 @@ class Strip(OnPlate, Named):
     line: Polyline = Field(description="The center line of the strip, [[x, y], [x, y], ...].")
     width: Positive = Field(description="Width of the strip, half on either side of its center line.")
     stations: Stations = Field(
-        default=_STRIP_STATIONS, description="Number of equally spaced stations, including both ends; default 21."
+        default=_STRIP_STATIONS,
+        description="Number of equally spaced stations of the strip, ends included; default 21.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -223,7 +224,8 @@ class Profile(OnPlate, Named):
         description="The circle of the profile, { center = [x, y], radius = r }; stations run from angle 0 towards y.",
     )
     stations: Stations = Field(
-        default=_PROFILE_STATIONS, description="Number of equally spaced stations, including both ends; default 101."
+        default=_PROFILE_STATIONS,
+        description="Number of equally spaced stations of the profile, ends included; default 101.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:

@@ -95,8 +95,8 @@ _FORMS = ("rectangle", "circle", "polygon")
 class Circle(base.Table):
     """A circle: a curve for supports and line loads, a disc where an area is required."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
-    radius: base.Positive = Field(description="Radius.")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the circle; default [0, 0].")
+    radius: base.Positive = Field(description="Radius of the circle.")
 
 
 Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base.vector(4, "[x0, y0, x1, y1]")]
@@ -166,7 +166,7 @@ class Form(Outline):
 class Annulus(base.Table):
     """The area between two concentric circles."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of both circles; default [0, 0].")
     inner: base.Positive = Field(description="Radius of the inner circle.")
     outer: base.Positive = Field(description="Radius of the outer circle.")
 

@@ -247,10 +247,10 @@ class RectanglePlate(_PatternedPlate):
 class _RoundPlate(_PatternedPlate):
     """A plate between concentric circles; its regular mesh has radial and circumferential lines."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the plate; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether a regular mesh can follow ``border``: true only for a curve that is a circle around the center."""
+        """Whether a regular mesh can follow ``border``: true only for a circular curve around the plate's center."""
         return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
@@ -289,8 +289,8 @@ class AnnulusPlate(_RoundPlate):
     """A full ring or a sector of a ring; the angle of a sector runs from the x axis towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
-    inner: base.Positive = Field(description="Inner radius.")
-    outer: base.Positive = Field(description="Outer radius.")
+    inner: base.Positive = Field(description="Inner radius of the ring.")
+    outer: base.Positive = Field(description="Outer radius of the ring.")
     sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(base.number)] = Field(
         default=360.0, description="Angle of the sector from the x axis, in degrees; default 360."
     )
@@ -342,7 +342,7 @@ class PolygonPlate(OutlinedPlate):
 
     shape: Literal["polygon"] = Field(default="polygon", description=_SHAPES)
     points: Corners = Field(
-        description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+        description="Corners [x, y] of the outline in order; an arc to a corner is { through = [x, y], to = [x, y] }."
     )
 
     @property
