@@ -114,7 +114,7 @@ def _number_hint(text: str) -> str:
     except ValueError:
         pointed = re.fullmatch(r"\s*([+-]?\d+),(\d+)\s*", text)
         if pointed:
-            return f" Write it with a decimal point and without quotes: {pointed[1]}.{pointed[2]}."
+            return f" The decimal sign is a point, and there are no quotes: {pointed[1]}.{pointed[2]}."
         return " Write digits without quotes, such as 30e9."
     return " Write it without quotes."
 

@@ -315,7 +315,7 @@ class Combination(Named):
             case "positions" if self.factors is None:
                 yield (
                     ("factors",),
-                    "'factors' is missing. Give the factors of cases of [[moving]], and of other cases that act with them.",
+                    "'factors' is missing. Give the factors of cases of [[moving]], and of cases that act with them.",
                 )
             case "table":
                 yield from self._table_complaints()

@@ -171,7 +171,7 @@ class Moving(OnPlate):
 
     case: Text = Field(min_length=1, description="Load case of the moving load; each position is a load case too.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
-    step: Positive = Field(description="Distance between positions of the load; the last is the end of the line.")
+    step: Positive = Field(description="Distance between positions; the last position is the end of the line.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
         description="[distance behind the first axle, force] of each axle, such as [[0, 60], [1.2, 60]]."
     )

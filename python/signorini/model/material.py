@@ -143,12 +143,12 @@ class Modifiers(Table):
 class Stiffness(Table):
     """Stiffness of a cross section along its axes 1 and 2, for sections that are not solid, such as ribbed ones."""
 
-    Dx: Positive = Field(description="Bending stiffness, first axis: moment per curvature, force times length.")
-    Dy: Positive = Field(description="Bending stiffness, second axis: moment per curvature.")
+    Dx: Positive = Field(description="Bending stiffness along the first axis, force times length.")
+    Dy: Positive = Field(description="Bending stiffness along the second axis, force times length.")
     D1: Number = Field(description="Bending moment along one axis per curvature along the other axis.")
-    Dxy: Positive = Field(description="Twisting moment per 2 w,xy, (1 - nu) D / 2 for a solid plate.")
-    Sx: Positive = Field(description="Shear stiffness, first axis: force per length, per shear strain.")
-    Sy: Positive = Field(description="Shear stiffness, second axis: force per length, per shear strain.")
+    Dxy: Positive = Field(description="Twisting moment per 2 w,xy: (1 - nu) D / 2 for a solid plate.")
+    Sx: Positive = Field(description="Shear stiffness along the first axis, force per length.")
+    Sy: Positive = Field(description="Shear stiffness along the second axis, force per length.")
     angle: Number = Field(default=0.0, description="Angle in degrees from x to the first axis; default 0.")
 
     @property

@@ -162,7 +162,7 @@ class Strip(OnPlate, Named):
     def _complaints(self) -> Iterator[Complaint]:
         for a, b, c in zip(self.line, self.line[1:], self.line[2:], strict=False):
             if meeting(_segments((a, b, c)), False) is not None:
-                yield ("line",), f"the line turns back at {point(b)}. Split it into two strips."
+                yield ("line",), f"the line turns back at {point(b)}. Split the line into two strips."
 
     @property
     def places(self) -> tuple[Floats, Floats]:

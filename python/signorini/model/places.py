@@ -149,7 +149,7 @@ class Form(Outline):
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:
             return shapes.Circle(self.circle.center, self.circle.radius)
-        assert self.polygon is not None  # Validation requires exactly one of the three keys.
+        assert self.polygon is not None  # Validation requires rectangle, circle or polygon.
         drawn = contour(self.polygon, "", numbered=False)
         if not any(drawn.through):
             return shapes.Polygon(drawn.corners)
@@ -232,7 +232,7 @@ class Hole(Outline):
             return replace(straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), sides), whole=name)
         if self.circle is not None:
             return circle(self.circle.center, self.circle.radius, name)
-        assert self.polygon is not None  # Validation requires exactly one of the three keys.
+        assert self.polygon is not None  # Validation requires rectangle, circle or polygon.
         return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
 
 
