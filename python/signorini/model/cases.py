@@ -40,7 +40,7 @@ class Gamma(Table):
     """Partial factors γ of each kind of action: [unfavourable, favourable], or one value for both."""
 
     permanent: Gammas | None = Field(default=None, description="γG of permanent cases: [unfavourable, favourable].")
-    variable: Gammas | None = Field(default=None, description="γQ of variable cases; with factor 0 a case is absent.")
+    variable: Gammas | None = Field(default=None, description="γQ of variable cases; at γQ = 0 the case is absent.")
     preload: Gammas | None = Field(default=None, description="γP of preloads.")
     accidental: Gammas | None = Field(default=None, description="γA of accidental cases.")
     seismic: Gammas | None = Field(default=None, description="Factor of the design value AEd of seismic cases.")

@@ -229,8 +229,8 @@ class Combination(Named):
 
     name: Text = Field(
         default="",
-        description='Unique name, default "combination 1", "combination 2" and so on; generated names begin '
-        "with this name, except those of tables and, if only one table has the rule, of codes.",
+        description='Unique name, default "combination 1", "combination 2" and so on; names of patterns and '
+        "positions begin with this name, and names by a code if two tables have the same rule.",
     )
     group: Text = Field(
         default="",

@@ -210,7 +210,7 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
                 if key == "error"
                 else "refine by hand until ± is small."
             )
-            yield ("plates", name, "mesh", key), f"{key} is not allowed in the mesh options of one plate; {why}"
+            yield ("plates", name, "mesh", key), f"{key} is not allowed in plates.NAME.mesh, for one plate; {why}"
     if wrong_references or not several:
         return
     first = len(model.support) - len(model.contact)
