@@ -225,7 +225,7 @@ def test_a_section_that_meets_itself_is_refused(line, pieces):
 
 
 def test_a_strip_that_goes_back_is_refused():
-    with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split it")):
+    with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split the line")):
         rectangular(**ASKED | {"strip": [{"line": [[2, 1], [2, 3], [2, 2]], "width": 0.5}]})
 
 
