@@ -88,7 +88,7 @@ def slab() -> SimpleNamespace:
         (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
         (lambda s: signorini.validate(None), "found no value; it must be a table"),
         (lambda s: Model(foo=3), "plate: 'plate' is missing"),
-        (lambda s: Model({}), "Model: found {}; a table takes its keys by name, Model(key=value, ...)"),
+        (lambda s: Model({}), "Model: found {}; a table takes its keys by name, as in Model(key=value, ...)"),
         (lambda s: solve(s.model, progress=3), "progress: found 3; it must be a function that takes a Progress"),
         (lambda s: s.results["zz"], "combination: Unknown combination 'zz'. This mapping of results has: all."),
         (lambda s: s.results["all"].reactions["soill"], "support: Unknown support 'soill'. This result has: soil,"),

@@ -173,7 +173,7 @@ def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
         ({"generate": "patterns", "variable": {"Q": 1}, "exclusive": [["Q", "W"]]}, '"W" is not a variable case'),
         (
             {"generate": "patterns", "variable": {c: [0.1 * i for i in range(1, 60)] for c in "GQWT"}},
-            "found 1.3e+07 combinations up to here; at most 1000000 are allowed.",
+            "found 1.3e+07 combinations up to this table; at most 1000000 are allowed.",
         ),
         ({"generate": "table"}, "needs either file, or columns and rows."),
         (

@@ -277,8 +277,8 @@ def test_a_model_with_cases_is_written_as_toml():
 @pytest.mark.parametrize(
     ("cases", "combination", "says"),
     [
-        ({"G": G}, {"rule": "6.10"}, 'combination[1].generate: generate = "en1990" needs the key kind'),
-        ({"G": G, "Q": {"asce": "L"}}, {"rule": "6.10"}, "give it in [cases.Q]."),
+        ({"G": G}, {"rule": "6.10"}, 'generate = "en1990" needs a role of each load case; give the key kind in'),
+        ({"G": G, "Q": {"asce": "L"}}, {"rule": "6.10"}, "give the key kind in [cases.Q]."),
         ({"G": G, "Q": {"kind": "variable"}}, {"rule": "6.10"}, "cases.Q: found neither category nor psi"),
         ({"G": {**G, "psi": [1, 1, 1]}, "Q": Q}, {"rule": "6.10"}, "cases.G.psi: psi is for variable cases"),
         ({"G": {}, "Q": Q}, {"rule": "6.10"}, "cases.G.kind: 'kind' is missing."),

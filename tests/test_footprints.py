@@ -214,7 +214,7 @@ BOTH = [
     ({"patch": 1}, "length along x"),
     ({"radius": -1}, "greater than 0"),
     ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
-    ({"angle": 30}, "angle rotates a patch; patch is missing"),
+    ({"angle": 30}, "angle rotates a patch, but patch is missing"),
 ]
 
 

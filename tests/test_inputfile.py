@@ -176,7 +176,7 @@ WRONG = {
     ],
     "[solver]\n": [
         ("thickness = 3", ":11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]]."),
-        ("title = 'x'", "unknown key 'title'. It belongs above the first table."),
+        ("title = 'x'", "unknown key 'title'. It belongs above the first header of a table."),
         ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set.'),
     ],
     "[[support]]\n": [
@@ -260,7 +260,7 @@ PLATES = {
             ':5: plate.shape: found "ellipse"; it must be one of rectangle, disc, annulus, polygon, mesh.',
         ),
         ("shape = 'disk'", "Did you mean 'disc'?"),
-        ("size = [1, 1]", ":4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh."),
+        ("size = [1, 1]", ":4: plate.shape: 'shape' is missing. Shape of the plate: one of rectangle, disc,"),
         ("shape = 'rectangle'\nsize = [1, 1]", ":4: plate.thickness: 'thickness' is missing. Thickness: a number"),
         ("shape = 'rectangle'\nsize = [1, 0]\nthickness = 1", "plate.size[2]: found 0; it must be greater than 0."),
         (

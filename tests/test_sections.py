@@ -218,14 +218,14 @@ def test_a_section_that_closes_but_for_rounding_is_closed(by):
     ids=["crosses", "there and back", "goes back", "ends in itself"],
 )
 def test_a_section_that_meets_itself_is_refused(line, pieces):
-    message = f"the line turns back, or crosses or touches itself: its segments {pieces} meet."
+    message = f"the line turns back, or crosses or touches itself: see its segments {pieces}."
     with pytest.raises(InputError, match=re.escape(message)) as refused:
         section(*line)
     assert refused.value.place == "section[1].line"
 
 
 def test_a_strip_that_goes_back_is_refused():
-    with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split it")):
+    with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split the line")):
         rectangular(**ASKED | {"strip": [{"line": [[2, 1], [2, 3], [2, 2]], "width": 0.5}]})
 
 

@@ -1,7 +1,7 @@
-"""The input: the plate, its supports and its loads, under the names of the input file.
+"""Classes of the input: the plate, its supports and its loads, with the keys of the input file.
 
-``Model`` is the whole input; the other classes are its tables. All are immutable. One ``InputError`` lists every
-problem of an input. ``validate`` makes a ``Model`` from a mapping.
+``Model`` is the whole input; the other classes are its tables. All these classes are immutable. One ``InputError``
+lists every problem of an input. ``validate`` makes a ``Model`` from a mapping.
 """
 
 from signorini.model.cases import Case, Gamma

@@ -1,4 +1,4 @@
-"""Base class of the input's tables, and the types of their keys: strict numbers, points, text, lists."""
+"""Base classes of the tables of the input, and types of the values of their keys: numbers, points, text, lists."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ class Table(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    if not TYPE_CHECKING:  # A type checker takes the fields as parameters of the constructor.
+    if not TYPE_CHECKING:  # Type checkers derive the parameters of the constructor from the fields.
 
         def __init__(self, /, *args: object, **keys: object) -> None:
             """Make a table from its keys; invalid values raise the same `InputError` as in an input file."""
             name = type(self).__name__
             if args:
                 raise InputError(
-                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {name}(key=value, ...), or from a "
-                    f"mapping, {name}(**mapping).",
+                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, as in {name}(key=value, ...) or "
+                    f"{name}(**mapping).",
                     place=name,
                 )
             try:
@@ -54,18 +54,18 @@ class Table(BaseModel):
             except ValidationError as error:
                 raise explained(error, type(self), keys) from None
 
-        # Nested tables are validated without this constructor, so that one error reports all problems.
+        # pydantic validates nested tables without this constructor, so that one error lists the problems of all tables.
         __init__.__pydantic_base_init__ = True
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse to assign a value to a key."""
+        """Refuse to assign another value to a key: tables are immutable."""
         if name in type(self).model_fields:
             kind = type(self).__name__
             raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
         super().__setattr__(name, value)
 
     def _complaints(self) -> Iterator[Complaint]:
-        """Yield each contradiction between valid keys: its place relative to this table, and the message."""
+        """Yield a pair for each contradiction between keys: place relative to this table, and message."""
         yield from ()
 
     @model_validator(mode="after")
@@ -84,15 +84,13 @@ class Table(BaseModel):
         return self
 
     def present(self, keys: Iterable[str]) -> list[str]:
-        """Return those of ``keys`` that have a value."""
+        """Return the keys among ``keys`` that have a value other than None."""
         return [key for key in keys if getattr(self, key) is not None]
 
 
 def wrong_length(length: int, points: int) -> str:
-    """Message for a list with ``length`` values at ``points`` points."""
-    return (
-        f"found a list of {length} for {points} point{'s' * (points != 1)}; give one value per point, or one for all."
-    )
+    """Error message for a list of ``length`` values that is given for a number ``points`` of points."""
+    return f"found a list of {length} for {points} point{'s' * (points != 1)}; give one value per point, or one value."
 
 
 def number(value: object) -> float:
@@ -110,7 +108,7 @@ def number(value: object) -> float:
 
 
 def _number_hint(text: str) -> str:
-    """Sentence for a message: how to write the number that was found as text."""
+    """Hint for an error message: how to write a number that was given as text."""
     try:
         float(text)
     except ValueError:
@@ -140,7 +138,7 @@ def _printable(text: str) -> str:
 
 
 def reader(above: float | None = None, at_least: float | None = None) -> Callable[[object], Expression]:
-    """Return a validator of a number or an expression; a number must be ``above`` or ``at_least`` its bound."""
+    """Return a validator of a number or an expression; a number must be > ``above`` or ≥ ``at_least``, if given."""
 
     def read(value: object) -> Expression:
         if isinstance(value, Expression):
@@ -176,7 +174,7 @@ def _scalar(
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:
-    """Return a validator of a list of ``length`` values; ``form`` describes the list in messages."""
+    """Return a validator of a list of ``length`` values; ``form`` describes the list in error messages."""
 
     def check(value: object) -> object:
         value = as_list(value)
@@ -196,7 +194,7 @@ def _numbers_schema(length: int) -> dict[str, Any]:
 
 
 def _points(value: object) -> object:
-    """Read a single point as a list of one point."""
+    """Return a list of points unchanged, and a single point [x, y] as a list of one point."""
     value = as_list(value)
     if isinstance(value, list | tuple):
         if any(isinstance(as_list(item), list | tuple) for item in value):
@@ -238,13 +236,13 @@ def unique_list(kind: type, form: str) -> BeforeValidator:
 
 
 def as_tuple(value: object) -> object:
-    """Read a single value as a list of one value."""
+    """Return a list unchanged, and a single value as a list of one value."""
     value = as_list(value)
     return value if isinstance(value, list | tuple) else [value]
 
 
 def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
-    """Annotations of a key whose value is a list of ``length`` numbers; ``form`` describes the list in messages."""
+    """Annotations of a key that takes a list of ``length`` numbers; ``form`` describes the list in error messages."""
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
 
 
@@ -320,4 +318,4 @@ class OnPlate(Table):
 class Named(Table):
     """Base class of tables with the key ``name``."""
 
-    name: Text = Field(default="", description='Unique name; default the kind and the position, "support 1".')
+    name: Text = Field(default="", description='Unique name; by default kind and position, as in "support 1".')

@@ -1,4 +1,4 @@
-"""Load cases as actions of a design code: the tables [cases.NAME], and the actions that they describe."""
+"""Load cases as actions of a design code: the tables [cases.NAME] of the input, and the actions of these cases."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from signorini.errors import unknown
 from signorini.model.base import Complaint, NonNegative, Table, Text, as_tuple, number, vector
 
 MOST_GENERATED = 100_000
-"""Largest number of combinations that one table generates by a code."""
+"""Largest number of combinations that one table [[combination]] may generate by the rules of a code."""
 
 Code = Literal["en1990", "asce7"]
 RuleName = Literal[
     "6.10", "6.10ab", "EQU", "accidental", "seismic", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
 ]
 RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
-"""Names of the rules of each code."""
+"""Names of the rules of each design code."""
 _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
-"""Key of a case with its role in a code."""
+"""Key of [cases.NAME] that gives the role of the load case in each design code."""
 
 _Psi = Annotated[float, Field(ge=0, le=1), BeforeValidator(number)]
 _AT_LEAST_0 = {"type": "number", "minimum": 0}
@@ -37,23 +37,23 @@ Gammas = Annotated[
 
 
 class Gamma(Table):
-    """Partial factors γ: [unfavourable, favourable], or one value that always holds."""
+    """Partial factors γ of each kind of action: [unfavourable, favourable], or one value for both."""
 
     permanent: Gammas | None = Field(default=None, description="γG of permanent cases: [unfavourable, favourable].")
-    variable: Gammas | None = Field(default=None, description="γQ of variable cases; 0: the case may be absent.")
+    variable: Gammas | None = Field(default=None, description="γQ of variable cases; at γQ = 0 the case is absent.")
     preload: Gammas | None = Field(default=None, description="γP of preloads.")
     accidental: Gammas | None = Field(default=None, description="γA of accidental cases.")
-    seismic: Gammas | None = Field(default=None, description="Factor of seismic cases, whose effects are AEd.")
+    seismic: Gammas | None = Field(default=None, description="Factor of the design value AEd of seismic cases.")
 
     @property
     def values(self) -> dict[str, tuple[float, ...]]:
-        """The given factors by kind."""
+        """Partial factors that the input gives, by kind of action."""
         return {key: getattr(self, key) for key in self.present(type(self).model_fields)}
 
 
-_WITH = Field(default=None, description="Another case, whose factor this case has in every combination.")
+_WITH = Field(default=None, description="Another load case; both cases have equal factors in every combination.")
 _FIELDS: dict[str, Any] = {"with": (Text | None, _WITH)}
-# No class body can declare `with`, which is a keyword of Python.
+# The key `with` is a keyword of Python, so that no class body can declare it.
 _Following = create_model("_Following", __base__=Table, **_FIELDS)
 
 
@@ -61,26 +61,27 @@ class Case(_Following):
     """A load case as an action of a design code, for combinations with ``generate = "en1990"`` or ``"asce7"``."""
 
     kind: Literal["permanent", "variable", "accidental", "seismic", "preload"] | None = Field(
-        default=None, description="Kind of action, for en1990."
+        default=None, description='Kind of action, for generate = "en1990".'
     )
     category: Literal["A", "B", "C", "D", "E", "F", "G", "H", "snow low", "snow high", "wind", "temperature"] | None = (
-        Field(default=None, description="Category of a variable case in EN 1990, Table A1.1, which gives psi.")
+        Field(default=None, description="Category of a variable case, which gives ψ0, ψ1, ψ2 by EN 1990, Table A1.1.")
     )
     psi: Annotated[tuple[_Psi, _Psi, _Psi], *vector(3, "three numbers [ψ0, ψ1, ψ2]")] | None = Field(
         default=None, description="Factors [ψ0, ψ1, ψ2] of a variable case, in place of category."
     )
     asce: Literal["D", "L", "Lr", "S", "R", "W", "E", "Ev", "P"] | None = Field(
         default=None,
-        description="Symbol of the load, for asce7; E is the horizontal and Ev the vertical seismic effect, P a "
-        "preload with factor 1.",
+        description='Symbol of the load in ASCE/SEI 7, for generate = "asce7"; E is the horizontal and Ev the vertical '
+        "seismic effect, P a preload with factor 1.",
     )
     group: Text | None = Field(
-        default=None, description="Name of a group, of which one action acts at a time, such as directions of wind."
+        default=None,
+        description="Name of a group of actions that exclude each other, such as the directions of wind.",
     )
     action: Text | None = Field(
         default=None,
-        description="Name of the action of which this case is a part, such as the live load on one span. Parts lead "
-        "or accompany together; each of them may be absent.",
+        description="Name of the action of which this case is a part, such as the live load on one span; all parts "
+        "of an action lead or accompany together, and each part may be absent.",
     )
 
     @property
@@ -98,16 +99,16 @@ class Case(_Following):
         own = self.present(("category", "psi"))
         if self.follows is not None:
             for key in (*own, *self.present(("group", "action"))):
-                yield (key,), f'{key} is not allowed with with = "{self.follows}", which has the key for both.'
+                yield (key,), f'{key} is not allowed beside with = "{self.follows}"; give {key} to that case.'
         elif self.kind is None and self.asce is None:
             yield ("kind",), "'kind' is missing. It must be one of permanent, variable, accidental, seismic, preload."
         elif self.kind == "variable" and len(own) != 1:
-            yield (), f"found {' and '.join(own) or 'neither category nor psi'}; a variable case needs one of the two."
+            yield (), f"found {' and '.join(own) or 'neither category nor psi'}; a variable case needs category or psi."
         elif self.kind != "variable":
             for key in own:
-                yield (key,), f"{key} is for variable cases; this one is {self.kind or 'without kind'}."
+                yield (key,), f"{key} is for variable cases; the kind of this case is {self.kind or 'not given'}."
         if self.action is not None and self.kind in ("permanent", "preload"):
-            yield ("action",), "action is for cases that may be absent; this one acts always."
+            yield ("action",), f"action is for cases that may be absent; {self.kind} cases always act."
 
 
 Cases = Mapping[str, Case]
@@ -116,7 +117,7 @@ Positions = Mapping[str, Sequence[str]]
 
 
 def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> Iterator[Complaint]:
-    """Yield the problems of [cases] with the ``known`` load cases, with moving loads, and among each other."""
+    """Yield the problems of [cases]: unknown load cases, wrong keys of moving loads, contradictions between cases."""
     first: dict[tuple[str, str], Case] = {}
     for name, case in cases.items():
         if name not in known:
@@ -126,7 +127,7 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
             if case.follows not in others:
                 yield ("cases", name, "with"), unknown("case", case.follows, others, "The [cases] without with")
             elif name in positions:
-                yield ("cases", name, "with"), "a moving load follows no other case; let the other case follow it."
+                yield ("cases", name, "with"), "with is not allowed for a moving load; give it to the other case."
             elif case.kind not in (None, cases[case.follows].kind):
                 yield ("cases", name, "kind"), f'found {case.kind}; "{case.follows}" is {cases[case.follows].kind}.'
         for key in case.present(("group", "action")):
@@ -139,22 +140,22 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
 
 
 def growing_in(cases: Cases) -> tuple[str, ...]:
-    """Load cases that are neither permanent nor preloads."""
+    """Load cases of [cases] that are neither permanent nor preloads; they grow in a check of overturning."""
     own = {name: cases.get(case.follows or name, case) for name, case in cases.items()}
     still = ("permanent", "preload", "D", "P")
     return tuple(name for name, case in own.items() if (case.kind or case.asce) not in still)
 
 
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
-    """Message that names the load cases without a role in a code; empty if each has one."""
+    """Error message that names the load cases without a role in a design code; empty if all have a role."""
     key = _KEY_OF[code]
     named = {name for name, case in cases.items() if case.follows is not None or getattr(case, key) is not None}
     missing = ", ".join(f"[cases.{case}]" for case in known if case not in named)
-    return f'generate = "{code}" needs the key {key} of every load case; give it in {missing}.' if missing else ""
+    return f'generate = "{code}" needs a role of each load case; give the key {key} in {missing}.' if missing else ""
 
 
 def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, ...]:
-    """Return the actions of a code. Every position of a moving load is an alternative of its action."""
+    """Return the load cases as actions of a code; each position of a moving load is an alternative of its action."""
     exclusive: dict[tuple[str, str], dict[tuple[str, str], list[str]]] = {}
     for name, case in cases.items():
         if case.follows is None:
@@ -165,7 +166,7 @@ def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, 
             exclusive.setdefault(together, {}).setdefault(part, []).append(name)
 
     def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:
-        """Yield the load cases that act together: at least one of the parts of an action, each at one position."""
+        """Yield the sets of load cases in which an action acts: one or more parts, moving loads at one position."""
         choices: list[list[dict[str, tuple[float, ...]]]] = []
         for name in names:
             followers = [other for other in cases if cases[other].follows == name]

@@ -1,4 +1,4 @@
-"""Checks of numbers and fields against limits."""
+"""Checks of results against limits: the tables [[check]] of the input."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from signorini.model.combination import Combination, Combinations
 from signorini.model.problems import as_list
 
 OVERTURNING = "overturning"
-"""Key ``of`` of a check of the plate as a rigid body."""
+"""Value of the key ``of`` for a check of the plate, as a rigid body, against overturning."""
 
 
 def _bounds(value: object) -> object:
@@ -37,28 +37,28 @@ class Check(base.Named):
     """A check of a field or of a number: utilisation = value / limit in every combination."""
 
     of: base.Text = Field(
-        description='What is checked: a field such as "von_mises", a number such as "soil.max_pressure", all points of '
-        'a support as "anchors[*].reaction", or "overturning" with the key grows.'
+        description='Checked quantity: a field such as "von_mises", a number such as "soil.max_pressure", a number at '
+        'all points of a support, as in "anchors[*].reaction", or "overturning".'
     )
     limit: Bounds | None = Field(
         default=None,
-        description="Limit of the magnitude, or [lower, upper] with lower < 0 < upper. Default for overturning: 1.",
+        description="Limit of the magnitude, or [lower, upper] with lower < 0 < upper; default 1 for overturning.",
     )
     combinations: tuple[base.Text, ...] = Field(default=(), description="Names of checked combinations; default all.")
-    group: base.Text = Field(default="", description="Group of checked combinations; default all.")
+    group: base.Text = Field(default="", description="Group of combinations that is checked; default all combinations.")
     grows: tuple[base.Text, ...] = Field(
         default=(),
-        description="For overturning: load cases that are multiplied by λ until equilibrium ends; the other cases "
-        "stay. The value is 1/λ. Default with [cases]: all but permanent cases and preloads.",
+        description="For overturning: load cases that are multiplied by λ; the checked value is 1/λ for the λ at which "
+        "equilibrium ends; other load cases stay constant; default with [cases]: all except permanent and preload.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
         if self.of != OVERTURNING and self.grows:
-            yield ("grows",), f'only a check of "{OVERTURNING}" has growing load cases. Remove grows.'
+            yield ("grows",), f'grows is only for a check of "{OVERTURNING}". Remove grows.'
         if self.of != OVERTURNING and self.limit is None:
-            yield ("limit",), "it is missing. Give the largest allowed value."
+            yield ("limit",), "'limit' is missing. Give the largest allowed value."
         if self.limit is not None and not self.limit[0] < 0.0 < self.limit[1]:
-            yield ("limit",), "it must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
+            yield ("limit",), "limit must be a number greater than 0, or [lower, upper] with lower < 0 < upper."
         if self.limit is not None and min(map(abs, self.limit)) < LEAST:
             yield ("limit",), f"found {min(self.limit, key=abs):g}; it must be at least {LEAST:g} in size."
         if self.combinations and self.group:
@@ -66,36 +66,36 @@ class Check(base.Named):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Smallest and largest allowed value."""
+        """Smallest and largest allowed value of the checked quantity; (-1, 1) if the input gives no limit."""
         return self.limit or (-1.0, 1.0)
 
     def limit_of(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Bounds (...) on the side of values (...)."""
+        """Limits (...) of checked values (...): the lower limit for negative values, the upper limit for others."""
         return np.where(values < 0.0, *self.bounds)
 
     def used(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Utilisations (...) of values (...)."""
+        """Utilisations value / limit (...) of checked values (...)."""
         return np.asarray(values / self.limit_of(values))
 
     def includes(self, group: str, combinations: Combinations) -> bool:
-        """Whether every combination of a group is checked; an empty group has all combinations."""
+        """Whether this check applies to every combination of ``group``; ``group=""`` means all combinations."""
         whole = combinations.groups.get(self.group, 0) == len(combinations)
         return not self.combinations and (whole or self.group in ("", group))
 
     def applies_to(self, combination: Combination) -> bool:
-        """Whether a combination is checked."""
+        """Whether this check applies to the combination."""
         return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))
 
     def growing(self, described: Cases) -> tuple[str, ...]:
-        """Load cases that grow until the plate overturns, by default those of [cases] that vary."""
+        """Load cases that grow until the plate overturns; by default all [cases] except permanent and preloads."""
         return self.grows or growing_in(described)
 
     def complaints_of(
         self, cases: Sequence[str], combinations: Combinations, described: Cases
     ) -> Iterator[base.Complaint]:
-        """Yield the problems with the load cases and combinations of the model; places are relative to this table."""
+        """Yield a problem for each name that the model does not have; places are relative to this table."""
         if self.of == OVERTURNING and not self.growing(described):
-            yield ("grows",), 'it is missing. Name the load cases that overturn the plate, such as grows = ["W"].'
+            yield ("grows",), "'grows' is missing. Name the load cases that overturn the plate, such as [\"W\"]."
         for position, case in enumerate(self.grows):
             if case not in cases:
                 yield ("grows", position), unknown("load case", case, cases)

@@ -72,19 +72,19 @@ _POINTS: dict[str, Any] = {
 
 
 class FieldTable(base.Table):
-    """Values at points (x, y), from a file or listed; the field is linear between the points."""
+    """Values at points (x, y), in a file or in a list; between the points they are interpolated linearly."""
 
     file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] | None = pydantic.Field(
         default=None, description="A CSV file with the columns x, y and value; relative to the input file."
     )
     points: Annotated[Field, PlainValidator(_read_listed), WithJsonSchema(_POINTS)] | None = pydantic.Field(
-        default=None, description="In place of a file: [[x, y, value], ...]."
+        default=None, description="In place of a file: a list of points with values, [[x, y, value], …]."
     )
     outside: Annotated[Outside, PlainValidator(_outside), WithJsonSchema({"enum": ["nearest", 0]})] | None = (
         pydantic.Field(
             default=None,
             description='Value outside the convex hull of the points: "nearest", the value at the nearest point of the '
-            "hull, or 0. Default: the points must cover the support.",
+            "hull, or 0; by default the hull must cover the support.",
         )
     )
 
@@ -103,7 +103,7 @@ def _read(value: object) -> Expression | Field:
                 )
             table = FieldTable.model_validate(value)
             field = table.file or table.points
-            assert field is not None  # Exactly one of file and points is present.
+            assert field is not None  # Validation requires exactly one of file and points.
             return replace(field, outside=table.outside)
         case list() | tuple():
             return _read_listed(value)
@@ -130,7 +130,7 @@ FieldScalar = Annotated[
 def _or_point_values(
     read: Callable[[object], Any], limits: dict[str, float], schemas: list[dict[str, Any]] | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key whose value is either validated by ``read``, or a list with one number per point."""
+    """Annotations of a key whose value is a list with one number per point, or any value that ``read`` validates."""
 
     def read_each(value: object) -> Any:
         value = as_list(value)

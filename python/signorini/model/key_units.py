@@ -14,9 +14,9 @@ _FORCES = {
     **dict.fromkeys(("force", "preload", "preload_force"), 0),
     **dict.fromkeys(("couple", "moment", "couple_about", "Dx", "Dy", "D1", "Dxy"), 1),
 }
-"""Exponent of the length in units of keys that are forces."""
+"""Exponent of length in the unit force × length^exponent of each key whose unit contains a force."""
 _OF_PLACES = {"stiffness": -1, "limit": 0, "rotational_stiffness": 1}
-"""Exponent of the length in units of keys that are per point; along lines and on areas they are per length and area."""
+"""Exponent of length in the unit of keys of a support at points; `_PER` is added along lines and on areas."""
 _PER = {"edge": -1, "line": -1, "circle": -1, "area": -2}
 _LENGTHS = frozenset(
     (
@@ -26,13 +26,13 @@ _LENGTHS = frozenset(
 )
 
 _COORDINATES = frozenset(("at", "center", "origin", "line", "points", "rectangle", "polygon"))
-"""Keys of coordinates."""
+"""Keys whose values are coordinates of points, circles or outlines."""
 
 
 def dimension(key: str, table: Mapping[str, Any] | None = None) -> tuple[int, int]:
-    """Exponents of force and length in the unit of a key; ``table``, if not None, has the place of the key.
+    """Exponents of force and length in the unit of a key; (0, 0) for a key without a unit.
 
-    They are (0, 0) for keys without a unit.
+    The unit of a stiffness or limit depends on the place (at, line, area) that ``table`` gives.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def dimension(key: str, table: Mapping[str, Any] | None = None) -> tuple[int, in
 
 
 def unit_of(key: str, units: Units, table: Mapping[str, Any] | None = None) -> str:
-    """Label of the unit of a key; empty without a unit, or if the model does not name units."""
+    """Label of the unit of a key; empty if the key has no unit, or if the model does not name its units."""
     force, length = dimension(key, table)
     if force:
         return units.force_by_length(length)
@@ -55,7 +55,7 @@ def unit_of(key: str, units: Units, table: Mapping[str, Any] | None = None) -> s
 
 
 def unit_at(place: Sequence[str | int], units: Units, tables: Any) -> str:
-    """Label of the unit of the number at a place in the tables of an input: keys, and positions from 0.
+    """Label of the unit of the number at ``place`` in an input; a place is a path of keys and of positions from 0.
 
     Examples
     --------

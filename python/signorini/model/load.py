@@ -77,26 +77,26 @@ class Load(Acting):
 
     case: Text = Field(default="load", min_length=1, description='Load case to which the load belongs; default "load".')
     pressure: Scalar | None = Field(
-        default=None, description="Force per area, positive down, on area (default all): a number or an expression."
+        default=None, description="Force per area, positive down, on area (default 'all'): a number or an expression."
     )
-    force: Number | None = Field(default=None, description="Force at each point of at or nodes, positive down.")
+    force: Number | None = Field(default=None, description="Force at each point or node, positive down.")
     line_load: Scalar | None = Field(
         default=None,
         description="Force per length along edge, line or circle, positive down: a number or an expression.",
     )
     moment: Annotated[tuple[Number, Number], *vector(2, "[mx, my], couples about two axes")] | None = Field(
         default=None,
-        description="Couples [mx, my] at each point of at or nodes; mx works on the rotation θx = ∂w/∂x, my on θy.",
+        description="Couples [mx, my] at each point or node; mx does work on the rotation θx = ∂w/∂x, my on θy.",
     )
     couple_about: Axes | None = Field(
         default=None,
-        description="Couples { x = ..., y = ... } about the axes at each point of at or nodes; right-handed, z down.",
+        description="Couples { x = …, y = … } about the axes x and y at each point or node; right-handed, z down.",
     )
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
-        default=None, description="true: the self-weight, unit_weight of the material times the thickness."
+        default=None, description="true: load by the self-weight, unit_weight of the material times the thickness."
     )
     curvature: Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")] | None = Field(
-        default=None, description="Stress-free curvatures [kx, ky, kxy], for example of a temperature gradient."
+        default=None, description="Stress-free curvatures [kx, ky, kxy], such as those of a plate heated on one face."
     )
 
     @model_validator(mode="before")
@@ -147,9 +147,9 @@ class Probe(OnPlate):
 
 
 _SHORTEST_STEP = 1e-9
-"""Smallest length of the last step, relative to ``step``.
+"""Smallest length of the last step of a moving load, relative to ``step``.
 
-A shorter last step would be the rounding of the line's length.
+A shorter last step is taken as a rounding error of the line's length.
 """
 
 
@@ -169,7 +169,7 @@ Wheel = tuple[tuple[float, float], tuple[float, float], float]
 class Moving(OnPlate):
     """A load that moves along a line: axles with one or two wheels. A wheel is a force at a point or on a patch."""
 
-    case: Text = Field(min_length=1, description="Name of the load case; each position of the load is a load case too.")
+    case: Text = Field(min_length=1, description="Load case of the moving load; each position is a load case too.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
     step: Positive = Field(description="Distance between positions; the last position is the end of the line.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
@@ -177,7 +177,7 @@ class Moving(OnPlate):
     )
     gauge: NonNegative = Field(
         default=0.0,
-        description="Distance of the two wheels of an axle, each with half the axle's force; 0: one wheel.",
+        description="Distance between the two wheels of an axle, each with half the axle's force; 0: one wheel.",
     )
     patch: WheelPatch | None = Field(
         default=None, description="Footprint of each wheel, [length along the line, width across it]; default a point."
@@ -202,7 +202,7 @@ class Moving(OnPlate):
 
     @property
     def positions(self) -> dict[str, float]:
-        """Distance s of the first axle from the start of the line, for the load case of each position."""
+        """Load case of each position, with the distance s of the first axle from the start of the line."""
         travelled = [min(i * self.step, self.length) for i in range(self.count)]
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 

@@ -27,7 +27,7 @@ from signorini.shapes import Region
 _ISOTROPIC = ("E", "nu")
 _ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
 _REQUIRED = ("Ex", "Ey", "nu_xy", "Gxy")
-"""Moduli that an orthotropic material must have; the other moduli have defaults."""
+"""Keys that an orthotropic material must have; its other keys have defaults."""
 
 
 class Axes(NamedTuple):
@@ -56,7 +56,7 @@ def _isotropic_or_orthotropic(schema: dict[str, Any]) -> None:
 class Material(Table):
     """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy.
 
-    A material without moduli has only a weight; its sections give their stiffness.
+    A material without moduli gives only a weight; its sections must have the key ``stiffness``.
     """
 
     model_config = ConfigDict(json_schema_extra=_isotropic_or_orthotropic)
@@ -65,16 +65,16 @@ class Material(Table):
     nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] | None = Field(
         default=None, description="Poisson's ratio, between -1 and 0.5."
     )
-    Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis.")
-    Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis.")
+    Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis, if orthotropic.")
+    Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis, if orthotropic.")
     nu_xy: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Poisson's ratio: strain -ε₂/ε₁ under tension along the first axis."
+        default=None, description="Poisson's ratio -ε₂/ε₁ under tension along the first axis, if orthotropic."
     )
-    Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate.")
-    Gxz: Positive | None = Field(default=None, description="Transverse shear modulus, first axis; default Gxy.")
-    Gyz: Positive | None = Field(default=None, description="Transverse shear modulus, second axis; default Gxy.")
+    Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate, if orthotropic.")
+    Gxz: Positive | None = Field(default=None, description="Shear modulus across the plate, first axis; default Gxy.")
+    Gyz: Positive | None = Field(default=None, description="Shear modulus across the plate, second axis; default Gxy.")
     angle: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Angle from x to the first axis, in degrees; default 0."
+        default=None, description="Angle in degrees from x to the first axis of the material; default 0."
     )
     unit_weight: NonNegative | None = Field(
         default=None, description="Weight per volume; required for a self_weight load."
@@ -127,40 +127,40 @@ class Material(Table):
             most = math.sqrt(self.axes.Ex / self.axes.Ey)
             yield (
                 ("nu_xy",),
-                f"found {self.nu_xy:g}; |nu_xy| must be less than √(Ex/Ey) = {most:.6g}. Is it the ratio of the other "
-                "axis, nu_yx = nu_xy Ey/Ex?",
+                f"found {self.nu_xy:g}; |nu_xy| must be less than √(Ex/Ey) = {most:.6g}. Is this value the ratio under "
+                "tension along the second axis, nu_yx = nu_xy Ey/Ex?",
             )
 
 
 class Modifiers(Table):
-    """Factors of stiffnesses along the material's axes, or x and y, for cracked, ribbed or hollow sections."""
+    """Factors of the stiffness of cracked, ribbed or hollow sections, along the material's axes or along x and y."""
 
-    bending: Positive = Field(default=1.0, description="Factor of the bending stiffnesses.")
+    bending: Positive = Field(default=1.0, description="Factor of the bending stiffness.")
     twist: Positive = Field(default=1.0, description="Factor of the twisting stiffness.")
-    shear: Positive = Field(default=1.0, description="Factor of the transverse shear stiffnesses.")
+    shear: Positive = Field(default=1.0, description="Factor of the transverse shear stiffness.")
 
 
 class Stiffness(Table):
     """Stiffness of a cross section along its axes 1 and 2, for sections that are not solid, such as ribbed ones."""
 
-    Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
-    Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
-    D1: Number = Field(description="Bending moment along either axis per curvature along the other axis.")
-    Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 for a solid plate.")
-    Sx: Positive = Field(description="Shear force per shear strain along the first axis, force per length.")
-    Sy: Positive = Field(description="Shear force per shear strain along the second axis.")
-    angle: Number = Field(default=0.0, description="Angle from x to the first axis, in degrees; default 0.")
+    Dx: Positive = Field(description="Bending stiffness along the first axis, force times length.")
+    Dy: Positive = Field(description="Bending stiffness along the second axis, force times length.")
+    D1: Number = Field(description="Bending moment along one axis per curvature along the other axis.")
+    Dxy: Positive = Field(description="Twisting moment per 2 w,xy: (1 - nu) D / 2 for a solid plate.")
+    Sx: Positive = Field(description="Shear stiffness along the first axis, force per length.")
+    Sy: Positive = Field(description="Shear stiffness along the second axis, force per length.")
+    angle: Number = Field(default=0.0, description="Angle in degrees from x to the first axis; default 0.")
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio D1/√(Dx Dy), the geometric mean of the ratios of both axes."""
+        """Poisson's ratio D1/√(Dx Dy), the geometric mean of the ratios D1/Dx and D1/Dy."""
         return self.D1 / math.sqrt(self.Dx * self.Dy)
 
     @property
     def equivalent(self) -> tuple[float, float]:
         """Thickness h and Young's modulus E of a solid plate with about this stiffness.
 
-        h follows from the means over all directions of the twisting and the shear stiffness, G h³/12 and 5/6 G h.
+        h follows from the twisting stiffness G h³/12 and the shear stiffness 5/6 G h, averaged over all directions.
 
         Examples
         --------
@@ -179,11 +179,11 @@ class Stiffness(Table):
 
 
 def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
-    """Yield a problem if the thickness is an expression although a stiffness describes one section."""
+    """Yield a problem if the thickness is an expression; beside the key ``stiffness`` it must be a number."""
     if not thickness.is_constant:
         yield (
             ("thickness",),
-            f'found "{thickness.source}"; with stiffness, which describes one section, it must be a number.',
+            f'found "{thickness.source}"; beside stiffness, which describes one section, thickness must be a number.',
         )
 
 
@@ -191,7 +191,7 @@ ZONE_KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(OnPlate):
-    """A part of the plate with another thickness, material or modifiers; where zones overlap, the later zone counts.
+    """A part of the plate with another thickness, material or modifiers; where zones overlap, the last one counts.
 
     A rigid zone moves as one body, also where other zones overlap it.
     """
@@ -200,29 +200,30 @@ class Zone(OnPlate):
         json_schema_extra={"anyOf": [{"required": [key]} for key in (*ZONE_KEYS, "rigid", "extremes")]}
     )
 
-    area: AnyArea = Field(description="A table with one of rectangle, circle, polygon.")
+    area: AnyArea = Field(description="Area of the zone: a table with one of rectangle, circle, polygon, annulus.")
     thickness: PositiveScalar | None = Field(
-        default=None, description="Thickness of the zone: a number, or an expression in x and y; default the plate's."
+        default=None, description="Thickness of the zone: a number or an expression in x and y; default as the plate."
     )
-    material: Material | None = Field(default=None, description="Material of the zone; default the plate's.")
+    material: Material | None = Field(default=None, description="Material of the zone; default as the plate.")
     modifiers: Modifiers | None = Field(
-        default=None, description="Stiffness factors of the zone, in place of the plate's."
+        default=None, description="Stiffness factors of the zone, in place of those of the plate."
     )
     stiffness: Stiffness | None = Field(
         default=None, description="Stiffness of the zone's section; thickness is required as well, for the weight."
     )
     rigid: Flag = Field(
-        default=False, description="Whether the zone moves as one rigid body; it then has no thickness."
+        default=False,
+        description="Whether the zone moves as one rigid body; thickness, material and stiffness are then not allowed.",
     )
     extremes: Flag = Field(
         default=True,
-        description="Whether the zone counts in extremes and in colour scales; a rigid zone never does.",
+        description="Whether results in the zone count in extremes and colour scales; a rigid zone is always excluded.",
     )
 
     @property
     def region(self) -> Region:
         """The zone's area as a region of the plane."""
-        assert isinstance(self.area, Area)  # A zone on "all" has been refused.
+        assert isinstance(self.area, Area)  # Validation refuses a zone with area = "all".
         return self.area.region
 
     @property
@@ -232,7 +233,7 @@ class Zone(OnPlate):
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.area == "all":
-            yield ("area",), 'found "all"; [plate] and [material] describe the whole plate.'
+            yield ("area",), 'found "all"; give properties of the whole plate in [plate] and [material].'
         if self.rigid and (keys := self.present(ZONE_KEYS)):
             yield (keys[0],), f"found {keys[0]} together with rigid; remove one of them."
         if not self.present(ZONE_KEYS) and not self.rigid and self.extremes:
@@ -245,5 +246,5 @@ class Zone(OnPlate):
 
     @property
     def is_solid(self) -> bool:
-        """Whether the zone's stiffness follows from material and thickness, not from the key ``stiffness``."""
+        """Whether the zone is solid: with thickness or material, and without the key ``stiffness``."""
         return self.stiffness is None and bool(self.present(("thickness", "material")))

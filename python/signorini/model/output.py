@@ -1,4 +1,4 @@
-"""Output options, sections, strips and profiles."""
+"""Tables of the input that concern results: output options, sections, strips and profiles."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from signorini.shapes.distances import depth
 from signorini.shapes.regions import meeting
 
 MAX_FULL_RESULTS = 12
-"""Largest number of combinations that all have a full result, if ``combinations = "auto"``.
+"""Largest number of combinations that all get full results, if ``combinations = "auto"``.
 
-A larger number of combinations makes a table.
+More combinations are solved as rows of a table.
 """
 
 _FIELDS_OPTIONS = ("governing", "all", "none")
@@ -53,25 +53,25 @@ def _fields(value: object) -> object:
     if isinstance(value, str):
         if value not in _FIELDS_OPTIONS:
             raise ValueError(
-                f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of combination names."
+                f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of names of combinations."
             )
         return value
     value = as_list(value)
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
         raise ValueError(
-            f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of names in quotes."
+            f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of names of combinations."
         )
     return tuple(value)
 
 
 class Output(Table):
-    """Which results are computed and written for each combination."""
+    """Options of the output: results that are computed and written for each combination."""
 
     combinations: Literal["auto", "each", "table"] = Field(
         default="auto",
-        description=f"each: all results of every combination; table: a row of combinations.parquet per combination, an "
-        f"envelope over all of them, and all results of the combinations in fields; auto: each up to "
-        f"{MAX_FULL_RESULTS} combinations, then table.",
+        description=f"each: all results of every combination; table: a row of combinations.parquet for every one, "
+        f"envelopes, and all results of the combinations in the key fields; auto: each for up to "
+        f"{MAX_FULL_RESULTS} combinations, otherwise table.",
     )
     fields: Annotated[
         Literal["governing", "all", "none"] | tuple[Text, ...],
@@ -79,12 +79,13 @@ class Output(Table):
         WithJsonSchema({"anyOf": [{"enum": list(_FIELDS_OPTIONS)}, {"type": "array", "items": {"type": "string"}}]}),
     ] = Field(
         default="governing",
-        description="For table: combinations with all results, .vtu file and picture: governing, all, none, or names.",
+        description='For combinations = "table": governing, all, none, or names of the combinations that have all '
+        "results, a .vtu file and a picture.",
     )
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
-        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none. "
-        "Default with [reinforcement]: also design moments and required areas.",
+        description='For combinations = "table": fields whose largest and smallest values at each node are computed; '
+        "[] for none; with [reinforcement] the default includes design moments and required areas.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -97,30 +98,30 @@ class Output(Table):
 
 
 _IN_COLUMN = 1e-9
-"""Tolerance for stations on the outline of a column, relative to its size."""
+"""Smallest depth of a station inside a column, relative to the column's size; on the outline it is outside."""
 _HALVINGS = 50
-"""Number of bisections that find where a strip enters a column."""
+"""Number of bisections that locate the face of a column on the center line of a strip, to rounding."""
 _STRIP_STATIONS = 21
 """Default number of stations of a strip.
 
-20 steps place stations at supports, middles and quarter points of 1 to 5 equal spans.
+20 steps place stations at the quarter points of 1 or 5 equal spans, and at the middles of 2 equal spans.
 """
 _SAME_END = 1e-5
-"""Largest distance between the ends of a closed line, relative to the line's extent.
+"""Largest distance between the two ends of a line that counts as closed, relative to the line's extent.
 
-Input coordinates have more digits than this.
+Coordinates in an input have more digits than this tolerance.
 """
 
 
 def _closed(line: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Set the last point of a line to the first point if they are equal within `_SAME_END`."""
+    """Return the line with its last point set to the first point, if the two are equal within `_SAME_END`."""
     extent = float(np.ptp(np.array(line), axis=0).max())
     closes = len(line) > 2 and math.dist(line[0], line[-1]) <= _SAME_END * extent
     return (*line[:-1], line[0]) if closes else line
 
 
 def _equal_steps(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
-    """Arc lengths of the line's corners; arc lengths (k,) and positions (k, 2) of equally spaced stations."""
+    """Return arc lengths of the line's corners, and arc lengths (k,) and positions (k, 2) of k equidistant points."""
     corners = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
     s = np.linspace(0.0, corners[-1], stations)
     return corners, s, np.column_stack([np.interp(s, corners, axis) for axis in np.array(line).T])
@@ -131,10 +132,10 @@ def _segments(line: tuple[Point, ...]) -> Floats:
 
 
 class Section(OnPlate, Named):
-    """A line that cuts the plate; its results are the force and the moments that one part exerts on the other part."""
+    """A line that cuts the plate; its results are the force and the moments between both parts."""
 
     line: Annotated[Polyline, AfterValidator(_closed)] = Field(
-        description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
+        description="The line of the section, [[x, y], [x, y], ...]; it begins and ends on the plate."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -143,28 +144,29 @@ class Section(OnPlate, Named):
             first, second = (f"from {point(self.line[i])} to {point(self.line[i + 1])}" for i in met)
             yield (
                 ("line",),
-                f"the line turns back, or crosses or touches itself: its segments {first} and {second} meet. A section "
-                "separates a left from a right part of the plate; split it into several sections.",
+                f"the line turns back, or crosses or touches itself: see its segments {first} and {second}. A section "
+                "must separate a left from a right part of the plate; split it into several sections.",
             )
 
 
 class Strip(OnPlate, Named):
     """A strip of the plate, such as a column strip: moments averaged over its width, at stations of its center line."""
 
-    line: Polyline = Field(description="The center line [[x, y], [x, y], ...].")
-    width: Positive = Field(description="The width, half on either side of the line.")
+    line: Polyline = Field(description="The center line of the strip, [[x, y], [x, y], ...].")
+    width: Positive = Field(description="Width of the strip, half on either side of its center line.")
     stations: Stations = Field(
-        default=_STRIP_STATIONS, description="Number of equally spaced stations, including both ends; default 21."
+        default=_STRIP_STATIONS,
+        description="Number of equally spaced stations of the strip, ends included; default 21.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
         for a, b, c in zip(self.line, self.line[1:], self.line[2:], strict=False):
             if meeting(_segments((a, b, c)), False) is not None:
-                yield ("line",), f"the line turns back at {point(b)}. Split it into two strips."
+                yield ("line",), f"the line turns back at {point(b)}. Split the line into two strips."
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects the two sides."""
+        """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects both directions."""
         return self._at(_equal_steps(self.line, self.stations)[1])
 
     def _at(self, s: Floats) -> tuple[Floats, Floats]:
@@ -181,12 +183,13 @@ class Strip(OnPlate, Named):
 
     @property
     def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        """Ends of the cross line at each station; the center line passes from the left to the right of this line."""
+        """Ends of the cross line at each station; the center line crosses it from its left to its right side."""
         return self._across(*self.places)
 
     def faces(self, column: Region) -> Iterator[tuple[int, tuple[Point, Point]]]:
-        """Yield stations within a convex region, each with the ends of the cross line at each end of the region.
+        """Yield the index of each station in a convex region, with the ends of a cross line at the region's outline.
 
+        A station has two such cross lines: where the center line enters the region and where it leaves the region.
         Cross lines beyond the ends of the strip are left out.
         """
         s, size = _equal_steps(self.line, self.stations)[1], math.dist(*np.array(column.bounds).reshape(2, 2))
@@ -215,12 +218,14 @@ _PROFILE_STATIONS = 101
 class Profile(OnPlate, Named):
     """A line or a circle with equally spaced stations, at which fields are reported."""
 
-    line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")
+    line: Polyline | None = Field(default=None, description="The line of the profile, [[x, y], [x, y], ...].")
     circle: Circle | None = Field(
-        default=None, description="A circle { center = [x, y], radius = r }; stations run from x towards y."
+        default=None,
+        description="The circle of the profile, { center = [x, y], radius = r }; stations run from angle 0 towards y.",
     )
     stations: Stations = Field(
-        default=_PROFILE_STATIONS, description="Number of equally spaced stations, including both ends; default 101."
+        default=_PROFILE_STATIONS,
+        description="Number of equally spaced stations of the profile, ends included; default 101.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -231,7 +236,7 @@ class Profile(OnPlate, Named):
     def places(self) -> tuple[Floats, Floats]:
         """Arc lengths s (k,) of the stations, and their positions (k, 2)."""
         curve = curve_of(self.line, self.circle)
-        assert curve is not None  # Exactly one of line and circle is present.
+        assert curve is not None  # Validation requires exactly one of line and circle.
         if isinstance(curve, Ring):
             s = np.linspace(0.0, curve.length, self.stations)
             angle = s / curve.radius

@@ -22,7 +22,7 @@ from signorini.shapes.outlines import Contour
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile", "punching")
 """Keys of the tables that belong to one plate."""
 _SAME_AREA = 1e-9
-"""Relative tolerance for equal areas: corners are rounded."""
+"""Relative tolerance for equal areas; it covers the rounding of corners."""
 _REVERSED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 
@@ -73,7 +73,7 @@ M = TypeVar("M", bound=Whole)
 
 @dataclass(frozen=True)
 class Part(Generic[M]):
-    """One of several plates, as a model with the plate's supports and the supports between it and other plates.
+    """One of several plates, as a model with the plate's supports and its contacts with other plates.
 
     ``numbers`` maps each key, such as "load", to the indices of the plate's tables in the whole model.
     """
@@ -92,7 +92,7 @@ class Part(Generic[M]):
         tables["support"] = tuple(_on_plate(whole, whole.support[i], self.name) for i in self.numbers["support"])
         replaced = {key: getattr(plate, key) for key in self._replaced}
         title = ", ".join(part for part in (whole.title, self.name) if part)
-        # The copy keeps the combinations of the whole model, which are computed here.
+        # Compute the combinations of the whole model; `varied` copies them into the model of this plate.
         _ = whole.effective_combinations
         result = whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), check=(), title=title)
         result.__dict__["_part"] = self.name
@@ -100,7 +100,7 @@ class Part(Generic[M]):
 
     @property
     def _replaced(self) -> tuple[str, ...]:
-        """Keys of the tables of the whole model that tables of the plate replace."""
+        """Keys ("mesh", "material") whose tables the plate gives itself, in place of those of the whole model."""
         return tuple(key for key in ("mesh", "material") if getattr(self.whole.plates[self.name], key) is not None)
 
     def place(self, place: Place) -> Place:
@@ -131,7 +131,7 @@ def _plates_of(table: OnPlate) -> tuple[str, ...]:
 
 
 def _on_plate(model: Whole, support: Support, name: str) -> Support:
-    """The support as it acts on plate ``name``; for the lower of two plates the direction is reversed."""
+    """The support as it acts on plate ``name``; on the lower of two plates ``resists`` is reversed."""
     if support.between is None:
         return support
     upper, lower = support.between
@@ -156,10 +156,10 @@ def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
     shared = shapely.get_parts(shapely.intersection(polygon, other_polygon))
     areas = [part for part in shared if shapely.area(part) > tolerance]
     if not areas:
-        raise InputError(f'"{name}" and "{other}" do not overlap. Move one of them, or remove this table.')
+        raise InputError(f'"{name}" and "{other}" do not overlap. Move one plate, or remove this table.')
     if len(areas) > 1:
         raise InputError(
-            f'"{name}" and "{other}" overlap in {len(areas)} separate areas. Give a table with its area for each.'
+            f'"{name}" and "{other}" overlap in {len(areas)} separate areas. Write one table for each area.'
         )
     if polygon.area - areas[0].area <= tolerance:
         return "all"
@@ -201,14 +201,16 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
     if several and model.mesh.accuracy is not None:
         yield (
             ("mesh", "accuracy"),
-            "accuracy is for one plate; refine the meshes of several plates by hand, guided by ±.",
+            "accuracy is for one plate; refine the meshes of several plates by hand until ± is small enough.",
         )
     for name, plate in model.plates.items():
         for key in plate.mesh.present(("accuracy", "error")) if plate.mesh is not None else ():
             why = (
-                "give error in [mesh]; it applies to all plates." if key == "error" else "refine by hand, guided by ±."
+                "give error in [mesh]; it applies to all plates."
+                if key == "error"
+                else "refine by hand until ± is small."
             )
-            yield ("plates", name, "mesh", key), f"{key} is not available for one of several plates; {why}"
+            yield ("plates", name, "mesh", key), f"{key} is not allowed in plates.NAME.mesh, for one plate; {why}"
     if wrong_references or not several:
         return
     first = len(model.support) - len(model.contact)
@@ -231,7 +233,7 @@ def _reference_complaints(model: Whole) -> Iterator[Complaint]:
             place = _place_of(index, first) if key == "support" else (key, index)
             names, where = _plates_of(table), "plate" if table.plate is not None else "between"
             if not model.plates and names:
-                yield (*place, where), f"found {where}, but there is one plate only. Remove it, or give [plates]."
+                yield (*place, where), f"found {where}, but there is one plate only. Remove the key, or give [plates]."
             elif model.plates and not names:
                 yield (*place, "plate"), f"'plate' is missing. Name one of the plates: {', '.join(model.plates)}."
             for name in names if model.plates else ():
@@ -240,7 +242,7 @@ def _reference_complaints(model: Whole) -> Iterator[Complaint]:
 
 
 def _cycle_complaints(model: Whole) -> Iterator[Complaint]:
-    """Yield a problem if plates lie on each other in a cycle."""
+    """Yield a problem if plates lie on each other in a cycle, such as A on B and B on A."""
     first, below = len(model.support) - len(model.contact), dict[str, set[str]]()
     for index, (upper, lower) in ((i, each.between) for i, each in enumerate(model.support) if each.between):
         if upper in below.get(lower, ()):

@@ -20,10 +20,10 @@ from signorini.shapes.outlines import Contour, circle, straight
 MAX_CORNERS = 2000
 """Largest number of corners of an outline, and of holes of a plate.
 
-The time for finding crossing sides grows with its square.
+The time for finding crossing sides grows with the square of this number.
 """
 _SAME_POINT = 1e-9
-"""Largest distance between equal points, relative to the outline's size: coordinates on arcs are rounded."""
+"""Largest distance between equal points, relative to the outline's size; it covers rounding on arcs."""
 
 
 class Arc(base.Table):
@@ -53,7 +53,7 @@ def _corners(value: Any) -> object:
     value = as_list(value)
     least = 2 if isinstance(value, list | tuple) and any(isinstance(corner, dict | Arc) for corner in value) else 3
     if not isinstance(value, list | tuple) or len(value) < least:
-        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y], 2 with an arc.")
+        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y], or 2 with an arc.")
     if len(value) > MAX_CORNERS:
         raise ValueError(f"found {len(value)} corners; at most {MAX_CORNERS} are allowed.")
     if isinstance(value[0], dict | Arc):
@@ -62,7 +62,7 @@ def _corners(value: Any) -> object:
         raise ValueError("the last corner equals the first. Remove it: the outline is closed automatically.")
     end = value[-1].get("to") if isinstance(value[-1], dict) else getattr(value[-1], "to", None)
     if len(value) == 2 and as_list(end) == as_list(value[0]):
-        raise ValueError("the arc ends where it begins. Give it another end, or use circle.")
+        raise ValueError("the arc ends where it begins. Give the arc another end, or use circle.")
     return value
 
 
@@ -95,15 +95,15 @@ _FORMS = ("rectangle", "circle", "polygon")
 class Circle(base.Table):
     """A circle: a curve for supports and line loads, a disc where an area is required."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
-    radius: base.Positive = Field(description="Radius.")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the circle; default [0, 0].")
+    radius: base.Positive = Field(description="Radius of the circle.")
 
 
 Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base.vector(4, "[x0, y0, x1, y1]")]
 
 
 def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
-    """Yield the error that ``build`` raises, with the key that describes the region."""
+    """Call ``build``; if it raises an InputError, yield ``key`` and the error's message."""
     try:
         build()
     except InputError as error:
@@ -116,10 +116,13 @@ class Outline(base.Table):
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
     forms: ClassVar[tuple[str, ...]] = _FORMS
 
-    rectangle: Box | None = Field(default=None, description="Sides parallel to the axes: [x0, y0, x1, y1].")
-    circle: Circle | None = Field(default=None, description="A disc: { center = [x, y], radius = r }.")
+    rectangle: Box | None = Field(
+        default=None, description="Rectangle with sides parallel to the axes: [x0, y0, x1, y1]."
+    )
+    circle: Circle | None = Field(default=None, description="Disc: { center = [x, y], radius = r }.")
     polygon: Corners | None = Field(
-        default=None, description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+        default=None,
+        description="Polygon: corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -146,7 +149,7 @@ class Form(Outline):
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:
             return shapes.Circle(self.circle.center, self.circle.radius)
-        assert self.polygon is not None  # Exactly one of the three keys is present.
+        assert self.polygon is not None  # Validation requires rectangle, circle or polygon.
         drawn = contour(self.polygon, "", numbered=False)
         if not any(drawn.through):
             return shapes.Polygon(drawn.corners)
@@ -163,7 +166,7 @@ class Form(Outline):
 class Annulus(base.Table):
     """The area between two concentric circles."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of both circles; default [0, 0].")
     inner: base.Positive = Field(description="Radius of the inner circle.")
     outer: base.Positive = Field(description="Radius of the outer circle.")
 
@@ -179,10 +182,10 @@ class Area(Form):
     forms: ClassVar[tuple[str, ...]] = (*_FORMS, "annulus")
 
     annulus: Annulus | None = Field(
-        default=None, description="The ring between two circles: { center = [x, y], inner = r, outer = R }."
+        default=None, description="Ring between two circles: { center = [x, y], inner = r, outer = R }."
     )
     holes: tuple[Form, ...] = Field(
-        default=(), description="Holes, each a table with one of rectangle, circle, polygon."
+        default=(), description="Holes of the area, each a table with one of rectangle, circle, polygon."
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -229,7 +232,7 @@ class Hole(Outline):
             return replace(straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), sides), whole=name)
         if self.circle is not None:
             return circle(self.circle.center, self.circle.radius, name)
-        assert self.polygon is not None  # Exactly one of the three keys is present.
+        assert self.polygon is not None  # Validation requires rectangle, circle or polygon.
         return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
 
 

@@ -62,17 +62,17 @@ class MeshOptions(base.Table):
     snap: base.NonNegative = Field(
         default=0.0,
         description="Snapping distance: supports, zones and loads closer than this to an edge or to each other are "
-        "moved onto that edge or item. Default 0: no snapping.",
+        "moved onto that edge or item; default 0: no snapping.",
     )
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(base.number)] | None = Field(
         default=None,
-        description="Largest allowed half-width (±) of any number, relative to the largest value of its field; the "
-        "mesh is refined until this is reached.",
+        description="Largest allowed mesh error (half-width ±) of any result, relative to the largest value of its "
+        "field; the mesh is refined until all results meet this bound.",
     )
     error: StrictBool | None = Field(
         default=None,
         description="Whether to estimate the mesh error (±) of every number from solutions on other meshes; default "
-        "true, false for a mesh file.",
+        "true, for a mesh file false.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -84,14 +84,14 @@ class MeshOptions(base.Table):
 
 _DEFAULT_DIVISIONS = 20
 """Number of elements along the longer side of a plate whose mesh options give no size."""
-_SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
+_SHAPES = "Shape of the plate: one of rectangle, disc, annulus, polygon, mesh."
 MAX_ASPECT_RATIO = 1000.0
 """Largest ratio of length to width of a plate.
 
-Bending flexibilities along and across differ by the fourth power of this ratio, 1e12.
+The bending flexibilities of the two directions differ by the fourth power of this ratio, 1e12.
 """
 _MAX_OFFSET = 1e6
-"""Largest distance of a plate from the origin, relative to the plate's size; coordinates then keep ten digits."""
+"""Largest distance of a plate from the origin, relative to the plate's size; coordinates then keep ten of 16 digits."""
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
@@ -126,7 +126,9 @@ class _Plate(base.Table):
 class OutlinedPlate(_Plate):
     """A plate given by its outline, for which a mesh is generated."""
 
-    holes: Holes = Field(default=(), description="Holes, each a table with one of rectangle, circle, polygon.")
+    holes: Holes = Field(
+        default=(), description="Holes of the plate, each a table with one of rectangle, circle, polygon."
+    )
 
     @property
     @abstractmethod
@@ -149,7 +151,7 @@ class OutlinedPlate(_Plate):
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:
-        """Element size that the mesh options prescribe; by default the longer side over 20."""
+        """Element size that the mesh options prescribe; by default the longer side of the plate divided by 20."""
         return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_DIVISIONS
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
@@ -166,7 +168,7 @@ class OutlinedPlate(_Plate):
         return True
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for element sizes times ``factor``; ``divisions`` are those of the present regular mesh."""
+        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the present mesh."""
         refine = tuple(place.model_copy(update={"size": place.size * factor}) for place in mesh.refine)
         return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
@@ -191,7 +193,7 @@ class _PatternedPlate(OutlinedPlate):
         return self._at_least_minimum(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for element sizes times ``factor``; ``divisions`` are those of the present regular mesh."""
+        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the present mesh."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
@@ -214,9 +216,11 @@ class RectanglePlate(_PatternedPlate):
 
     shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
     size: Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two lengths [a, b], along x and y")] = Field(
-        description="Side lengths [along x, along y]."
+        description="Side lengths of the rectangle, [along x, along y]."
     )
-    origin: base.Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
+    origin: base.Point = Field(
+        default=(0.0, 0.0), description="Lower left corner [x, y] of the rectangle; default [0, 0]."
+    )
 
     @property
     def outline(self) -> Contour:
@@ -235,7 +239,7 @@ class RectanglePlate(_PatternedPlate):
 
     def _complaints(self) -> Iterator[base.Complaint]:
         if max(self.size) > MAX_ASPECT_RATIO * min(self.size):
-            why = f"found {list(self.size)}: one side is over {MAX_ASPECT_RATIO:g} times the other. Use a beam model."
+            why = f"found {list(self.size)}: the ratio of its sides is over {MAX_ASPECT_RATIO:g}. Use a beam model."
             yield ("size",), why
         yield from _too_far("origin", self.origin, max(self.size))
 
@@ -243,10 +247,10 @@ class RectanglePlate(_PatternedPlate):
 class _RoundPlate(_PatternedPlate):
     """A plate between concentric circles; its regular mesh has radial and circumferential lines."""
 
-    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the plate; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether a regular mesh can follow ``border``: only a circle around the center, and no border of a zone."""
+        """Whether a regular mesh can follow ``border``: true only for a circular curve around the plate's center."""
         return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
@@ -285,8 +289,8 @@ class AnnulusPlate(_RoundPlate):
     """A full ring or a sector of a ring; the angle of a sector runs from the x axis towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
-    inner: base.Positive = Field(description="Inner radius.")
-    outer: base.Positive = Field(description="Outer radius.")
+    inner: base.Positive = Field(description="Inner radius of the ring.")
+    outer: base.Positive = Field(description="Outer radius of the ring.")
     sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(base.number)] = Field(
         default=360.0, description="Angle of the sector from the x axis, in degrees; default 360."
     )
@@ -306,7 +310,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest numbers of elements: one in radial direction, and one per quarter circle around."""
+        """Smallest numbers of elements: one along a radius, and one per quarter circle."""
         return 1, math.ceil(self.sector / 90)
 
     def _lengths(self) -> tuple[float, float]:
@@ -338,7 +342,7 @@ class PolygonPlate(OutlinedPlate):
 
     shape: Literal["polygon"] = Field(default="polygon", description=_SHAPES)
     points: Corners = Field(
-        description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+        description="Corners [x, y] of the outline in order; an arc to a corner is { through = [x, y], to = [x, y] }."
     )
 
     @property
@@ -353,8 +357,8 @@ class PolygonPlate(OutlinedPlate):
 
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[base.Complaint]:
     if max(map(abs, point)) > _MAX_OFFSET * size:
-        why = f"found {list(point)}: over {_MAX_OFFSET:g} times the plate's size away. Move the plate to the origin."
-        yield (key,), why
+        why = f"farther away than {_MAX_OFFSET:g} times the plate's size. Move the plate to the origin."
+        yield (key,), f"found {list(point)}: {why}"
 
 
 def _file(value: object) -> FilePath:

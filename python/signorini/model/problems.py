@@ -54,7 +54,7 @@ LISTS = (
 )
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Keys that are tagged unions, each with its classes by their tags in the path of pydantic's error.
+"""Keys that take tables of several classes (tagged unions), each with its classes by tag in pydantic's paths.
 
 The modules that define the unions add their entries.
 """
@@ -214,7 +214,7 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
 
 
 def _header_hint(path: Place) -> str:
-    """Hint at the header that a missing table needs, such as [plate]."""
+    """Return a hint that names the header of a missing table, such as [plate]."""
     name = str(path[-1])
     return "" if len(path) > 1 or not TOP.get(name) else f" Write it under {_header(name)}."
 
@@ -244,7 +244,7 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
         elif inner:
             hint = f" It belongs into {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
         elif key in TOP:
-            hint = " It belongs above the first table."
+            hint = " It belongs above the first header of a table."
         elif owners:
             hint = f" It belongs in {' or '.join(owners)}."
     return f"unknown key '{key}'.{hint} Allowed here: {', '.join(table.model_fields)}."

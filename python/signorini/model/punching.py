@@ -17,9 +17,9 @@ from signorini.shapes import Hollow, Whole
 
 EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
 _RANGES = {"fck": (5.0, 120.0), "fyk": (200.0, 1000.0)}
-"""Smallest and largest strength in MPa; another one is in the wrong unit."""
+"""Smallest and largest strength in MPa; other values are assumed to be in a wrong unit."""
 _MOST_STEEL = 0.1
-"""Largest ratio of reinforcement; a larger one is in per cent."""
+"""Largest ratio of reinforcement; a larger value is assumed to be in per cent."""
 
 
 Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
@@ -31,7 +31,7 @@ class ColumnAt(NamedTuple):
     subject: str
     table: int
     point: int
-    support: int | None  # None for a column on the plate
+    support: int | None  # None for a column that stands on the plate
     at: tuple[float, float]
     outline: Whole
 
@@ -39,16 +39,19 @@ class ColumnAt(NamedTuple):
 class Punching(base.OnPlate, base.Named):
     """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
 
-    name: base.Text = Field(default="", description="Name of the columns; default that of the support or load case.")
+    name: base.Text = Field(
+        default="", description="Name of the columns; default the name of the support or load case."
+    )
     support: base.Text | None = Field(
-        default=None, description="Name of the support whose points are the columns: at points, or one area."
+        default=None,
+        description="Name of the support that represents the columns: each of its points, or its area, is a column.",
     )
     load: base.Text | None = Field(
         default=None,
-        description="In place of support: a load case; its force loads stand where columns stand on the plate.",
+        description="In place of support: a load case with the forces of columns that stand on the plate.",
     )
     number: base.Counts | None = Field(
-        default=None, description="Numbers of the points that are checked, from 1, in the order of at; default all."
+        default=None, description="Numbers of the columns that are checked, counted from 1; default all columns."
     )
     code: Literal["EN 1992-1-1:2004", "ACI 318-19"] = Field(description="Design code.")
     column: Pair | None = Field(
@@ -60,22 +63,23 @@ class Punching(base.OnPlate, base.Named):
     )
     d: Pair | None = Field(
         default=None,
-        description="Effective depths [dx, dy] of the reinforcement; default thickness at the column less the "
-        "distances of [reinforcement], at the top over supports, at the bottom of rafts.",
+        description="Effective depths [dx, dy]; default: thickness at the column less the distance of the bars in "
+        "[reinforcement], of top bars over a support, of bottom bars of a raft.",
     )
     rho: Pair | None = Field(
         default=None,
-        description="Ratios [ρx, ρy] of the reinforcement, for EN 1992; default the minimum with [reinforcement].",
+        description="Ratios [ρx, ρy] of the bars in tension, for EN 1992; default with [reinforcement]: the minimum.",
     )
     fck: base.Positive | None = Field(
-        default=None, description="Strength of concrete, fck or f'c, as force per area; default of [reinforcement]."
+        default=None, description="Strength of concrete, fck or f'c, as force per area; default as [reinforcement]."
     )
     fyk: base.Positive | None = Field(
         default=None,
-        description="Strength of shear reinforcement, fyk or fyt, as force per area; default of [reinforcement].",
+        description="Strength of shear reinforcement, fyk or fyt, as force per area; default as [reinforcement].",
     )
     beta: Literal["computed"] | base.Positive = Field(
-        default="computed", description="Factor β of the unbalanced moment: computed, or a number."
+        default="computed",
+        description="Factor β ≥ 1 of the shear stress, for unbalanced moments: computed, or a number.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -85,11 +89,11 @@ class Punching(base.OnPlate, base.Named):
 
     @property
     def columns_name(self) -> str:
-        """Name of the columns without their numbers."""
+        """Common name of the columns, without the number in brackets."""
         return self.name or self.support or self.load or ""
 
     def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
-        """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
+        """Yield the column at each point, or None if its outline is missing; ``table`` is the index of this table."""
         places: list[tuple[Acting, tuple[float, float], int | None]] = []
         for load in loads:
             if load.case == self.load and load.plate == self.plate and load.force is not None:
@@ -116,7 +120,7 @@ class Punching(base.OnPlate, base.Named):
     def complaints_of(
         self, supports: Sequence[Support], loads: Sequence[Load], units: Any, reinforced: bool
     ) -> Iterator[base.Complaint]:
-        """Yield the problems with other tables of the model; places are relative to this table.
+        """Yield the contradictions with other tables of the model; places are relative to this table.
 
         ``reinforced`` says whether the model has [reinforcement].
         """
@@ -128,7 +132,7 @@ class Punching(base.OnPlate, base.Named):
             yield ("support",), unknown("support", self.support, names)
         elif not columns:
             key, what = ("support", "no points") if self.load is None else ("load", "no force at points")
-            yield (key,), f"found {what}; columns are points of at, or one area with a rectangle, circle or polygon."
+            yield (key,), f"found {what}; columns are the points of at, or one area as rectangle, circle or polygon."
         elif None in columns:
             yield ("column",), "the outline of the columns is missing. Give column = [b, h] or diameter."
         for number in self.number or ():
@@ -147,11 +151,11 @@ class Punching(base.OnPlate, base.Named):
         if self.rho is not None and max(self.rho) > _MOST_STEEL:
             yield ("rho",), f"found {max(self.rho):g}; a ratio is at most {_MOST_STEEL:g}, 0.6 % is 0.006."
         if isinstance(self.beta, float) and self.beta < 1.0:
-            yield ("beta",), f"found {self.beta:g}; β is the largest shear stress over its mean, at least 1."
+            yield ("beta",), f"found {self.beta:g}; β, the largest over the mean shear stress, is at least 1."
 
 
 def columns_of(tables: Sequence[Punching], supports: Sequence[Support], loads: Sequence[Load]) -> tuple[ColumnAt, ...]:
-    """The checked columns of all tables, in their order."""
+    """Return the columns that the tables [[punching]] check, in the order of these tables."""
     every = ((own, table) for index, table in enumerate(tables) for own in table.columns(supports, loads, index))
     chosen = ((column, table.number) for column, table in every if column is not None)
     return tuple(column for column, numbers in chosen if numbers is None or column.point + 1 in numbers)

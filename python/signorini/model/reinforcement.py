@@ -12,7 +12,7 @@ from signorini.design import en1992_bending as en1992
 from signorini.model.base import Complaint, Flag, NonNegative, Positive, Table, vector
 
 _PLAIN = 1e-6
-"""Largest tensile stress of a face, relative to fctm, at which no bars are required: rounding errors are smaller."""
+"""Largest tensile stress at a face without required bars, relative to fctm; it covers rounding errors."""
 
 Distances = Annotated[tuple[Positive, Positive], *vector(2, "two distances [dx, dy]")]
 
@@ -25,27 +25,32 @@ class Cover(Table):
 
 
 class Reinforcement(Table):
-    """Code and strengths for the required reinforcement. Bars along x are outside, bars along y inside."""
+    """Code and strengths for the required reinforcement; at both faces bars along x are outside, along y inside."""
 
     code: Literal["EN 1992-1-1:2004"] = Field(description="Design code.")
     fck: Positive = Field(description="Characteristic strength of concrete, as force per area.")
     fyk: Positive = Field(description="Characteristic yield strength of the bars, as force per area.")
-    cover: Cover | None = Field(default=None, description="Concrete cover { top, bottom } of the bars along x.")
+    cover: Cover | None = Field(
+        default=None, description="Concrete cover of the bars along x, { top = …, bottom = … }."
+    )
     bar: Positive | None = Field(default=None, description="Diameter of the bars; required with cover.")
     d_top: Distances | None = Field(
-        default=None, description="In place of cover and bar: distances [dx, dy] from the top to the axes of the bars."
+        default=None,
+        description="In place of cover and bar: distances [dx, dy] from the top face to the axes of the bars.",
     )
     d_bottom: Distances | None = Field(
-        default=None, description="In place of cover and bar: distances [dx, dy] from the bottom to the axes."
+        default=None, description="In place of cover and bar: distances [dx, dy] from the bottom face to the axes."
     )
     face: Flag = Field(
         default=False,
-        description="Whether design moments within a column are those at its faces. Columns are footprints of supports "
-        "at points; at a singular point the mean moments over its radius count.",
+        description="Whether design moments in a column, the footprint of a support at a point, are those at its "
+        "faces; at a support without footprint they are then means over a radius.",
     )
     gamma_c: Positive = Field(default=en1992.GAMMA_C, description="Partial factor γC of concrete.")
     gamma_s: Positive = Field(default=en1992.GAMMA_S, description="Partial factor γS of the bars.")
-    alpha_cc: Positive = Field(default=en1992.ALPHA_CC, description="Coefficient αcc of long-term effects.")
+    alpha_cc: Positive = Field(
+        default=en1992.ALPHA_CC, description="Coefficient αcc of long-term effects on the strength of concrete."
+    )
 
     def _complaints(self) -> Iterator[Complaint]:
         given = self.present(("cover", "bar", "d_top", "d_bottom"))
@@ -53,10 +58,10 @@ class Reinforcement(Table):
             yield (), f"found {' and '.join(given) or 'no distances'}; give cover and bar, or d_top and d_bottom."
 
     def complaints_in(self, length: str, force: str) -> Iterator[Complaint]:
-        """Yield the problems of the strengths in the model's units; a code knows only strengths in MPa."""
+        """Yield a problem if a unit is unknown, or if a strength, in MPa, is outside the range of the code."""
         for key, unit, known in (("length", length, METRES), ("force", force, NEWTONS)):
             if unit not in known:
-                why = f"{self.code} needs a known unit: give units.{key} = one of {', '.join(known)}."
+                why = f"{self.code} needs a known unit: units.{key} must be one of {', '.join(known)}."
                 yield (), f"found {unit!r} as unit of {key}; {why}" if unit else why
                 return
         for key, (least, most) in (("fck", en1992.STRENGTHS), ("fyk", en1992.YIELD_STRENGTHS)):
@@ -67,15 +72,17 @@ class Reinforcement(Table):
 
     @property
     def distances(self) -> tuple[float, float, float, float]:
-        """Distances of the axes of bars from their face: along x and y at the bottom, along x and y at the top."""
+        """Distances from a face to the axes of its bars: bottom bars along x and y, top bars along x and y."""
         if self.d_bottom is not None and self.d_top is not None:
             return (*self.d_bottom, *self.d_top)
-        assert self.cover is not None and self.bar is not None  # Both are required without d_bottom and d_top.
+        assert (
+            self.cover is not None and self.bar is not None
+        )  # Validation requires cover and bar without d_bottom and d_top.
         bottom, top = self.cover.bottom + 0.5 * self.bar, self.cover.top + 0.5 * self.bar
         return bottom, bottom + self.bar, top, top + self.bar
 
     def section(self, length: str, force: str) -> en1992.Bars:
-        """The reinforced section in the model's units of length and force."""
+        """Data of the reinforced section for the design, in the model's units of length and force."""
         unit = _megapascals(length, force)
         fck, fyk = self.fck * unit, self.fyk * unit
         depth, strength = en1992.stress_block(fck)

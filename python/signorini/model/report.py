@@ -20,7 +20,7 @@ class Report(Table):
     checker: Text = Field(default="", description="Person who checked the calculation.")
     approver: Text = Field(default="", description="Person who approved the calculation.")
     date: Annotated[Text, BeforeValidator(lambda value: value.isoformat() if isinstance(value, date) else value)] = (
-        Field(default="", description="Date, as text or as a date of TOML.")
+        Field(default="", description="Date of the report, as text or as a date of TOML.")
     )
     revision: Text = Field(default="", description="Revision.")
     logo: Text = Field(default="", description="Picture for the title block, .png or .svg; relative to the input file.")

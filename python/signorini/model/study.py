@@ -1,4 +1,4 @@
-"""The file of a study: a template, parameters, and the numbers that are wanted."""
+"""The study file: an input file as template, parameters to vary, and the names of the results."""
 
 from __future__ import annotations
 
@@ -15,18 +15,24 @@ Design = Literal["grid", "list", "latin"]
 
 
 class StudyFile(Table):
-    """The keys of a study's file."""
+    """Keys of a study file, which describes variants of one input file."""
 
-    template: Text = Field(description="The input file of the model, relative to the study's file.")
-    parameters: dict[str, Any] = Field(description="Values by path in the template.")
-    results: tuple[Text, ...] = Field(description="Names of numbers, as for thresholds of a path.")
-    design: Design | None = Field(default=None, description='"grid", "list" or "latin".')
+    template: Text = Field(description="Input file whose keys are varied; relative to the study file.")
+    parameters: dict[str, Any] = Field(
+        description="Values or distribution of each varied key, by the key's path in the template."
+    )
+    results: tuple[Text, ...] = Field(
+        description="Names of the resulting numbers, written as for thresholds of a load path."
+    )
+    design: Design | None = Field(
+        default=None, description='Combination of the values: "grid", "list" or "latin" (Latin hypercube).'
+    )
     samples: Count | None = Field(default=None, description="Number of variants of a Latin hypercube.")
     seed: int = Field(default=0, ge=0, strict=True, description="Seed of the random numbers.")
 
 
 def validate_study(data: Mapping[str, Any], source: str, line_of: Callable[[Place], int]) -> StudyFile:
-    """Validate the tables of a study's file; `validate` describes ``source`` and ``line_of``.
+    """Validate the contents of a study file; see `signorini.model.validate` for ``source`` and ``line_of``.
 
     Raises
     ------

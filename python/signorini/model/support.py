@@ -68,7 +68,7 @@ Fix = Annotated[
 
 
 _MAX_LAW_POINTS = 100
-"""Largest number of points of a law: the pieces of the law, in both directions, are numbered by one byte."""
+"""Largest number of points of a law; one byte holds the number of a piece, counted in both directions."""
 
 
 def _law(value: object) -> object:
@@ -110,7 +110,7 @@ Rotational = Annotated[
 
 
 _PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
-"""Keys whose value can be a list with one number per point of the support; ``order`` is such a key too."""
+"""Keys whose value can be a list with one number per point of the support; the key ``order`` takes such a list too."""
 
 
 def _direction(value: object) -> object:
@@ -128,7 +128,7 @@ _NOT_BETWEEN = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotati
 
 
 class Support(Acting, base.Named):
-    """A support: a place (exactly one of at, nodes, edge, line, circle, area), and fix or resists."""
+    """A support: its place (exactly one of at, nodes, edge, line, circle, area), and fix or resists."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -139,7 +139,7 @@ class Support(Acting, base.Named):
 
     fix: Fix | None = Field(
         default=None,
-        description="Components held in both directions: clamped (w, slope, twist), hard (w, twist), simple (w), "
+        description="Displacements held in both directions: clamped (w, slope, twist), hard (w, twist), simple (w), "
         "symmetry (slope), or a list of w, slope, twist.",
     )
     resists: Annotated[Literal["down", "up", "both"] | None, BeforeValidator(_direction)] = Field(
@@ -155,8 +155,8 @@ class Support(Acting, base.Named):
     )
     stiffness: PointFieldScalar | None = Field(
         default=None,
-        description="Force per travel, per point, length or area; default rigid. A number, an expression, a list with "
-        "one value per point, or { file = ... }: points x, y, value that cover the support, linear between them.",
+        description="Stiffness (force per travel) per point, length or area, default rigid: a number, an expression, a "
+        "list with one value per point, or a table { file = … } of values at points.",
     )
     limit: PositivePointScalar | None = Field(
         default=None,
@@ -165,14 +165,13 @@ class Support(Acting, base.Named):
     )
     law: Law | None = Field(
         default=None,
-        description="In place of stiffness and limit: [[travel, force], ...], nondecreasing, from [0, 0]; the last "
-        "slope continues. With resists = both it is antisymmetric, or begins at a negative travel.",
+        description="Law in place of stiffness and limit: [[travel, force], …], nondecreasing, from [0, 0]; the last "
+        "slope continues; with resists = both the law is antisymmetric, unless it begins at a negative travel.",
     )
     rotational_stiffness: Rotational | None = Field(
         default=None,
-        description="Moment per rotation of an elastically held slope: along an edge, a line or a circle per length, "
-        "for the slope across it; at a point or footprint for both axes, or [about x, about y]. Numbers or "
-        "expressions.",
+        description="Stiffness (moment per rotation) of an elastically held slope: along an edge, a line or a circle "
+        "per length, for the slope across it; at a point or footprint for both axes, or [about x, about y].",
     )
     settlement: PointScalar = Field(
         default=Expression(0.0),
@@ -181,27 +180,27 @@ class Support(Acting, base.Named):
     )
     between: Between | None = Field(
         default=None,
-        description='["upper", "lower"]: the two plates that the support connects; resists refers to the upper plate.',
+        description='["upper", "lower"]: the two plates that the support connects; resists is for the upper plate.',
     )
     preload: PositivePointScalar | None = Field(
         default=None,
-        description="Force to which the bolt at each point is tightened before other loads act; then the support "
-        "follows its law. A number, an expression, or a list with one value per point; resists must be up or both.",
+        description="Force to which the bolt at each point is tightened before other loads act: a number, an "
+        "expression, or a list with one value per point; resists must be up or both.",
     )
     preload_case: base.Text | None = Field(
         default=None,
-        description="Load case of the preload: combinations give its factor; a combination without it does not tighten "
-        "the bolts. Default: factor 1 in all combinations.",
+        description="Load case whose factor in a combination multiplies the preload; in a combination without this "
+        "case the preload is 0; default: factor 1 in all combinations.",
     )
     order: base.Counts | None = Field(
         default=None,
-        description="Bolts of equal order are tightened together, lower orders first: a number, or a list with one "
-        "number per point.",
+        description="Order of tightening, a number or a list with one number per point; bolts of equal order are "
+        "tightened together, lower orders first.",
         json_schema_extra={"default": 1},
     )
     rotation: base.Rotation | None = Field(
         default=None,
-        description="Prescribed slopes [θx, θy] of the held slope and twist, numbers or expressions; default [0, 0].",
+        description="Prescribed slopes [θx, θy] where slope or twist is held: numbers or expressions; default [0, 0].",
     )
 
     default_resists: ClassVar[Literal["down", "both"]] = "both"
@@ -242,7 +241,7 @@ class Support(Acting, base.Named):
     @model_validator(mode="after")
     def _apply_default_resists(self) -> Self:
         if self.fix is None and self.resists is None:
-            # The key is not marked as set, so that a dump contains only keys of the input.
+            # The key `resists` is not marked as set, so that a dump contains only keys of the input.
             self.__dict__["resists"] = self.default_resists
             self.model_fields_set.discard("resists")
         return self
@@ -281,7 +280,7 @@ class Support(Acting, base.Named):
 
     @property
     def on_nodes(self) -> bool:
-        """Whether the reactions are nodal forces; reactions of an area or a footprint are distributed."""
+        """Whether the reactions act at points or on lines, not distributed over an area or a footprint."""
         return self.area is None and not self.has_footprint
 
     @property
@@ -311,7 +310,7 @@ class Support(Acting, base.Named):
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the support has a finite stiffness; a law with a vertical piece has none."""
+        """Whether the support has a finite stiffness; false for a law with a vertical piece."""
         return self.modulus is not None
 
     @property
@@ -334,7 +333,7 @@ class Support(Acting, base.Named):
 
     @property
     def has_pieces(self) -> bool:
-        """Whether the state of the support includes the piece of its law: the support has a law or a limit."""
+        """Whether the support has a law or a limit; results then report the piece on which each point is."""
         return self.law is not None or self.limit is not None
 
     @property
@@ -365,15 +364,15 @@ class Support(Acting, base.Named):
         if self.rotation is not None and not self.holds_rotation and self.rotational_stiffness is None:
             yield (
                 ("rotation",),
-                f"{describe(self.fix or self.resists)} does not hold a slope; a rotation needs fix = clamped, hard or "
-                "symmetry, or a list with slope or twist.",
+                f"{describe(self.fix or self.resists)} does not hold a slope; a rotation needs rotational_stiffness, "
+                "or fix = clamped, hard, symmetry, or a list with slope or twist.",
             )
 
     def _between_complaints(self, between: Between) -> Iterator[base.Complaint]:
         if between[0] == between[1]:
             yield ("between",), f"found {describe(between[0])} twice; name two plates, the upper one first."
         for key in self.present(_NOT_BETWEEN):
-            yield (key,), f"{key} is not allowed with between; use a point, a line or an area of both plates."
+            yield (key,), f"{key} is not allowed with between; use at, line, circle or area, and resists."
         if not _is_zero(self.settlement):
             yield ("settlement",), "settlement is not allowed with between; use gap."
 
@@ -382,9 +381,9 @@ class Support(Acting, base.Named):
         if "slope" in self.fixed:
             yield place, f"{describe(self.fix)} holds the slope already; use hard or simple, or remove this key."
         if self.area is not None:
-            yield place, "it is not allowed with area; use at, nodes, edge, line or circle."
+            yield place, "rotational_stiffness is not allowed with area; use at, nodes, edge, line or circle."
         elif self.place != "at" and len(stiffness) == 2:
-            yield place, "found two values; along an edge, a line or a circle give one, for the slope across it."
+            yield place, "found two values; along an edge, a line or a circle give one value, for the slope across it."
 
     def _list_complaints(self) -> Iterator[base.Complaint]:
         lists = {key: list(value.values) for key in _PER_POINT if isinstance(value := getattr(self, key), PointValues)}
@@ -446,7 +445,7 @@ class Support(Acting, base.Named):
                 "found a law without the point [0, 0]; a law that begins at a negative travel must contain it.",
             )
         elif not _is_zero(self.gap):
-            yield ("gap",), "a gap is not allowed with a law that begins at a negative travel; include it in the law."
+            yield ("gap",), "a gap is not allowed with a law that begins at a negative travel; shift the law instead."
 
     def _fix_complaints(self) -> Iterator[base.Complaint]:
         fixed = self.fixed
@@ -461,7 +460,10 @@ class Support(Acting, base.Named):
                 "neither: use simple or clamped.",
             )
         if self.has_footprint and fixed != ("w",):
-            yield ("fix",), f"{describe(self.fix)} holds slopes, but a footprint holds its mean deflection; use simple."
+            yield (
+                ("fix",),
+                f"{describe(self.fix)} holds slopes, but a footprint holds only the mean deflection; use simple.",
+            )
         if not _is_zero(self.gap):
             yield ("gap",), "a gap is not allowed with fix; use resists."
         if self.limit is not None:

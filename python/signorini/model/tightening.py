@@ -23,14 +23,13 @@ class Tightening(base.Table):
     sequence: tuple[base.Counts, ...] | None = Field(
         default=None,
         min_length=1,
-        description="Groups of points that are tightened together, in order: [[1, 7], [4, 10]]. "
-        "Point numbers start at 1. Default: all points together.",
+        description="Groups of points that are tightened together, in order, such as [[1, 7], [4, 10]]; "
+        "points are numbered from 1; default: all points together.",
     )
     case: base.Text | None = Field(
         default=None,
-        description="Load case of the force. Combinations give its factor; a combination without this case has no "
-        "such round. "
-        "Default: factor 1 in all combinations.",
+        description="Load case whose factor in a combination multiplies the force; a combination without this case "
+        "has no such round; default: factor 1 in all combinations.",
     )
 
     def complaints_of(self, support: Support) -> Iterator[base.Complaint]:
@@ -38,7 +37,7 @@ class Tightening(base.Table):
         if support.preload is not None:
             yield (
                 ("support",),
-                f'"{support.name}" has a preload. Remove its preload and order: force gives the preload.',
+                f'"{support.name}" has a preload. Remove its preload and order: the key force replaces both.',
             )
         yield from ((("support",), message) for _, message in support.bolt_complaints())
         count, seen = support.point_count, set[int]()
@@ -50,5 +49,5 @@ class Tightening(base.Table):
                     yield ("sequence", position), f'found point {number}; "{support.name}" has the points 1 to {count}.'
                 elif number in seen:
                     why = f"found point {number} twice in one round."
-                    yield ("sequence", position), f"{why} Add another [[tightening]] for the second time."
+                    yield ("sequence", position), f"{why} Tighten it the second time in another [[tightening]]."
                 seen.add(number)

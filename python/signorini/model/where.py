@@ -22,7 +22,7 @@ FOOTPRINT = ("patch", "radius")
 _MIN_RADIUS = 0.5
 """Smallest radius of a circle that the mesh follows, relative to the element size.
 
-The 12 elements around such a circle have about a quarter of this size.
+The 12 elements around such a circle have sides of about a quarter of the element size.
 """
 
 
@@ -88,8 +88,10 @@ class Located(base.Table):
     )
     edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
-    area: AnyArea | None = Field(default=None, description='"all", or a table with one of rectangle, circle, polygon.')
+    circle: Circle | None = Field(default=None, description="A circle as a curve: { center = [x, y], radius = r }.")
+    area: AnyArea | None = Field(
+        default=None, description='"all", or a table with one of rectangle, circle, polygon, annulus.'
+    )
 
     @property
     def place(self) -> PlaceKey:
@@ -132,13 +134,13 @@ class Acting(Located, base.OnPlate):
         | None
     ) = Field(
         default=None,
-        description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] around it.",
+        description="Footprint of each point or node: a rectangle [length along x, width along y] around it.",
     )
     angle: Annotated[float, BeforeValidator(base.number)] | None = Field(
         default=None, description="Rotation of the patch: degrees from x to its first side, towards y; default 0."
     )
     radius: base.Positive | None = Field(
-        default=None, description="Footprint of each point of at or nodes: a disc around it."
+        default=None, description="Footprint of each point or node: radius of a disc around it."
     )
 
     @property
@@ -153,7 +155,7 @@ class Acting(Located, base.OnPlate):
 
     @property
     def width(self) -> tuple[float, float]:
-        """Shorter and longer side of the footprint; both are the diameter of a disc, and 0 without a footprint."""
+        """Shorter and longer side of the footprint: (diameter, diameter) of a disc, (0, 0) without a footprint."""
         a, b = self.patch or (2.0 * (self.radius or 0.0),) * 2
         return min(a, b), max(a, b)
 
@@ -179,4 +181,4 @@ class Acting(Located, base.OnPlate):
         elif keys and not self.present(("at", "nodes")):
             yield (keys[0],), f"{keys[0]} is the footprint of points; use it with at or nodes."
         if self.angle is not None and self.patch is None:
-            yield ("angle",), "angle rotates a patch; patch is missing."
+            yield ("angle",), "angle rotates a patch, but patch is missing."

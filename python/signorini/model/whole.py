@@ -49,7 +49,7 @@ from signorini.model.where import Acting, Located, mesh_follows, one_of
 from signorini.shapes import Region
 
 _MAX_ELEMENTS = 10_000_000
-"""Largest number of elements of a regular mesh; a larger number is a typing error, and its mesh fits into no memory."""
+"""Largest number of elements of a regular mesh; a larger number is assumed to be a typing error."""
 _MAX_COMBINATIONS = 1_000_000
 """Largest number of combinations of a model."""
 _MAX_POSITIONS = 2000
@@ -80,7 +80,7 @@ class Solver(Table):
 
     method: Literal["auto", "lemke", "active_set"] = Field(
         default="auto",
-        description="Method; auto chooses by the number of contact points, and tries other methods after a failure.",
+        description="Method that is tried first; auto chooses it by the contact points; after a failure others follow.",
     )
 
 
@@ -164,7 +164,7 @@ class Model(Table):
     )
     if TYPE_CHECKING:
         plate: AnyPlate
-    else:  # None in a model of several plates; each model in ``parts`` has a plate.
+    else:  # ``plate`` is None in a model of several plates; each model in ``parts`` has a plate.
         plate: Annotated[AnyPlate | None, BeforeValidator(_require_plate)] = Field(
             default=None, validate_default=True, description="The plate's outline, thickness and finite element."
         )
@@ -248,7 +248,7 @@ class Model(Table):
         ['[plate]', 'thickness = "0.2 + 0.01*x"', 'shape = "disc"', 'radius = 2.0']
         """
         text = tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
-        # Arrays without tables in one line each; no string of tomli_w has a line break.
+        # Write each array without tables on one line; strings that tomli_w writes have no line breaks.
         text = re.sub(r"(?<!}),\n *\]", "]", text)
         return re.sub(r"(\[|, ?)\n +(?=[^ {])", lambda match: match[1].rstrip() + " " * (match[1] != "["), text)
 
@@ -260,7 +260,7 @@ class Model(Table):
         return copy
 
     def varied(self, **tables: object) -> Self:
-        """Copy the model with other tables as a variant of this input; input file and combinations stay the same."""
+        """Copy the model with other tables as a variant of this input; it keeps the input file and the combinations."""
         copy = self.model_copy(update=tables)
         copy.__dict__.update({"_original": self} | self._cached())
         if "combination" in tables:
@@ -365,7 +365,7 @@ class Model(Table):
 
     @property
     def columns(self) -> tuple[ColumnAt, ...]:
-        """The columns of [[punching]]."""
+        """The columns that [[punching]] checks."""
         return columns_of(self.punching, self.support, self.load)
 
     @cached_property
@@ -375,7 +375,7 @@ class Model(Table):
 
     @cached_property
     def expanded(self) -> tuple[tuple[Expanded, ...], ...]:
-        """Combinations of each table [[combination]]; if two tables have one rule, its names begin with the table's."""
+        """Combinations of each table [[combination]]; names begin with the table's name if two tables share a rule."""
         if self.refused or sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
             return ((),) * len(self.combination)
         shared = Counter((table.generate, rule) for table in self.combination for rule in table.rule or ())
@@ -384,7 +384,7 @@ class Model(Table):
         return tuple(tuple(products(table, positions, self.cases, prefixed)) for table, prefixed in tables)
 
     def factors_of(self, case: str) -> Iterator[tuple[float, Place]]:
-        """Yield the factors that each table [[combination]] gives a load case, with their place in the input."""
+        """Yield the factors of a load case in the tables [[combination]], each with its place in the input."""
         for index, (table, every) in enumerate(zip(self.combination, self.expanded, strict=True)):
             generated = {(one.factors or {}).get(case, 0.0) for one in Combinations(every if table.rule else ())}
             for factor in sorted(table.factors_of(case) | generated):
@@ -394,8 +394,8 @@ class Model(Table):
     def effective_combinations(self) -> Combinations:
         """All combinations; generated combinations are made on access.
 
-        Without [[combination]] there is one, "all", with factor 1 for every case; with moving loads, one for each
-        position. Actions without a case, such as settlements, act in every combination.
+        Without [[combination]] the only combination is "all", with factor 1 for every case; with moving loads there is
+        one for each position. Actions without a case, such as settlements, act in every combination.
         """
         if self.combination:
             return Combinations(tuple(chain.from_iterable(self.expanded)))
@@ -404,30 +404,30 @@ class Model(Table):
 
     @cached_property
     def bars(self) -> Bars | None:
-        """Section of reinforced concrete, which the required reinforcement needs; None without [reinforcement]."""
+        """Data of the reinforced section, for the required reinforcement; None without [reinforcement]."""
         units, own = self.units, self.reinforcement
         return None if own is None else own.section(units.length, units.force)
 
     @property
     def footprints(self) -> tuple[tuple[tuple[float, float], Region], ...]:
-        """Points of supports with their footprints."""
+        """Pairs of a point and its footprint, for all supports at points with footprints."""
         places = (support.where for support in self.support if support.at)
         return tuple(pair for where in places for pair in zip(where.points, where.footprints, strict=False))
 
     @property
     def at_faces(self) -> bool:
-        """Whether bars at columns are designed for moments at the faces, see `Reinforcement.face`."""
+        """Whether bars in columns are designed for the moments at the column faces; see `Reinforcement.face`."""
         return self.reinforcement is not None and self.reinforcement.face
 
     @property
     def tabulated(self) -> bool:
-        """Whether combinations are rows of a table, so that only some have full results."""
+        """Whether combinations are solved as rows of a table, so that only some combinations have full results."""
         option = self.output.combinations
         return option == "table" or (option == "auto" and len(self.effective_combinations) > MAX_FULL_RESULTS)
 
     @property
     def has_limits(self) -> bool:
-        """Whether a support has a limit."""
+        """Whether the reaction of a support is bounded, by a limit or by a law with a horizontal end."""
         return any(support.can_yield for support in self.support)
 
     @property
@@ -555,7 +555,7 @@ class Model(Table):
                 yield (
                     ("combination", index),
                     f"found {total} combinations; at most {MOST_GENERATED} are allowed. Put cases that do not act "
-                    "together into one group, or join cases by with.",
+                    "together into one group, or give cases from one source the key with.",
                 )
 
     def _combination_complaints(self) -> Iterator[Complaint]:
@@ -584,8 +584,8 @@ class Model(Table):
             if total > _MAX_COMBINATIONS:
                 yield (
                     ("combination", index),
-                    f"found {total:.3g} combinations up to here; at most {_MAX_COMBINATIONS} are allowed. Use fewer "
-                    "cases or factors, or list cases that do not act together in 'exclusive'.",
+                    f"found {total:.3g} combinations up to this table; at most {_MAX_COMBINATIONS} are allowed. Use "
+                    "fewer cases or factors, or list cases that do not act together in 'exclusive'.",
                 )
                 return
         yield from self._name_complaints()
@@ -607,7 +607,7 @@ class Model(Table):
                 yield place, f'"{case}" is also a case of [[load]]; give the preload another case.'
             elif case is not None and self.combination and next(self.factors_of(case), None) is None:
                 why = f'no combination has the case "{case}", so the bolts would never be tightened.'
-                yield place, f"{why} Add it to a combination, or remove {place[-1]} for factor 1 in all."
+                yield place, f"{why} Add the case to a combination, or remove {place[-1]} for factor 1."
         for case in self.preload_cases:
             for factor, place in self.factors_of(case):
                 if factor < 0.0:
@@ -656,14 +656,14 @@ class Model(Table):
                 yield (*place, "nodes"), why
 
     def _located(self) -> Iterator[tuple[Place, Located]]:
-        """Yield each table with a place on the plate, with the table's path in the input."""
+        """Yield each support, load and refinement of the mesh, with its path in the input."""
         yield from ((("support", index), support) for index, support in enumerate(self.support))
         yield from ((("load", index), load) for index, load in enumerate(self.load))
         yield from ((("mesh", "refine", index), refinement) for index, refinement in enumerate(self.mesh.refine))
 
 
 def follows_in_rows(model: Model) -> bool:
-    """Whether the plate has a regular mesh that follows all borders of zones and all lines; always for `q8r`."""
+    """Whether a regular mesh can follow all borders of zones and all lines of the model; always true for `q8r`."""
     plate = model.plate
     if isinstance(plate, MeshPlate):
         return False
