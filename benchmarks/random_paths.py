@@ -132,7 +132,7 @@ def faults(found, until, wild):
     start, add = found._loads
     plate = found.problem.discretisation
     times = [stop.t for stop in found.stops]
-    if found.ending == "stopped" and not wild and not found.ends_with_the_mesh:
+    if found.ending == "stopped" and not wild and not found.ends_with_the_mesh and not start_is_rounding(found):
         yield f"stopped at {found.end:.9g}, limit {found.limit:.9g}"
     if not found.certificate.passed:
         yield f"certificate {found.certificate}"
@@ -167,6 +167,12 @@ def faults(found, until, wild):
             yield from differences(found, _FAR_OUT * found.end, wild, may_be_unsolved=True)
     yield from idle(found)
     yield from still(found)
+
+
+def start_is_rounding(found):
+    """Whether the load at t = 0 is below the rounding of the load at the end of a path."""
+    start, add = found._loads
+    return np.abs(start.nodal).max() <= np.finfo(float).eps * found.end * np.abs(add.nodal).max()
 
 
 def faults_of_samples(sampled, found, wild):

@@ -20,7 +20,7 @@ from signorini.results.checks import require_measured
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.path_stop import PathStop, numbers_at_stops
 from signorini.results.quantities import SMOOTH
-from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
+from signorini.results.support_points import Scales, SupportPoints, closed_by_point, margin_by_part
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Closed parts at which a line or area has an event: 1 (it begins to open), 0.75, 0.5, 0.25, and 0 (all of it is open).
@@ -86,8 +86,7 @@ def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
     if not len(own):
         return np.ones(len(LEVELS))
     if between:
-        values, middles = in_falling_order(own, weights)
-        amid = np.interp(LEVELS[1:-1], middles, values)
+        amid = np.interp(LEVELS[1:-1], *margin_by_part(own, weights))
     else:
         order = np.argsort(-own, kind="stable")
         reached = np.cumsum(weights[order]) / weights.sum()
@@ -193,13 +192,16 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
                 if (before >= beyond) == (now >= beyond):
                     continue
                 change, part = event_of(support, number, opening, len(LEVELS))
-                at = own[0].at if own and change in ("begins to open", "begins to close") else None
+                # A line begins to open or close at the stop before its part changes: there its first point switches.
+                begins = change in ("begins to open", "begins to close")
+                begin = row - 1 if begins and support.along_line else row
+                first = [one for one in stops[begin].switched if begins and one.support == support.name]
                 result.append(
                     PathEvent(
-                        row=row,
-                        t=stop.t,
+                        row=begin,
+                        t=stops[begin].t,
                         support=support.name,
-                        at=at,
+                        at=first[0].at if first else None,
                         change=change,
                         closed=part or 0.0,
                         opening=opening,

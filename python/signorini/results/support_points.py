@@ -222,15 +222,14 @@ class Scales:
 
 
 def closed_part(discretisation: Discretisation, points: SupportPoints, answer: Answer) -> float:
-    """Closed part of a line, 0 to 1, by length; its end is interpolated linearly between a closed and an open point."""
-    values, middles = in_falling_order(
-        closed_by_point(discretisation, points, answer, Scales.of(answer)), points.weights
-    )
+    """Closed part of a line, 0 to 1, by length: the root of the margin by parts of the line (`margin_by_part`)."""
+    own = closed_by_point(discretisation, points, answer, Scales.of(answer))
+    parts, values = margin_by_part(own, points.weights)
     if values[0] < 0 or values[-1] >= 0:
         return float(values[0] >= 0)
     last = int(np.flatnonzero(values >= 0)[-1])
     share = values[last] / (values[last] - values[last + 1])
-    return float(middles[last] + share * (middles[last + 1] - middles[last]))
+    return float(parts[last] + share * (parts[last + 1] - parts[last]))
 
 
 def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
@@ -247,8 +246,12 @@ def closed_by_point(discretisation: Discretisation, points: SupportPoints, answe
     return np.asarray(np.concatenate([np.ones(points.fixed), own])[points.order])
 
 
-def in_falling_order(own: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Sort values in falling order; also return the middles of their intervals of cumulative weight, 0 to 1."""
+def margin_by_part(own: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """Sort the margins (p,) of points in falling order; return parts (p + 1,) of the weight, and the margin at each.
+
+    Between two points the margin is the mean of theirs. So the order of points with equal margins changes no value.
+    """
     order = np.argsort(-own, kind="stable")
-    sorted_weights = weights[order] / weights.sum()
-    return own[order], np.cumsum(sorted_weights) - 0.5 * sorted_weights
+    values, reached = own[order], np.cumsum(weights[order])
+    between = 0.5 * (values[1:] + values[:-1])
+    return np.append(0.0, reached / reached[-1]), np.concatenate([values[:1], between, values[-1:]])

@@ -80,8 +80,8 @@ pub(super) async fn newton(
     for step in 1..=NEWTON {
         let same = step > 1 && pieces == last;
         let lost = since_settled == UNSETTLED || stagnation.stalled == STALLS;
-        if lost && iterate.kkt.limit == tolerances::STIFFEST && started {
-            // The start was too far from the solution: restart with the first penalty, from zero multipliers.
+        if lost && iterate.kkt.limit == tolerances::STIFFEST && started && !restarted {
+            // The start was too far from the solution: restart once with the first penalty, from zero multipliers.
             (stagnation.stalled, restarted) = (0, true);
             iterate.multiplier.fill(0.0);
             iterate.set_penalty(iterate.kkt.augmentation.first_penalty);
