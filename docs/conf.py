@@ -97,7 +97,8 @@ def _api() -> str:
             _autosummary("Errors", errors),
             "## Tables of a model",
             "",
-            f"These classes have the keys of the tables of an [input file](../keys.md): {', '.join(f'`{one}`' for one in tables)}.",
+            "These classes have the keys of the tables of an [input file](../keys.md): "
+            f"{', '.join(f'`{one}`' for one in tables)}.",
         ]
     )
 
@@ -140,7 +141,7 @@ def _write(app: Any) -> None:
 
 
 def _signature(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
-    """Show ``Model(**tables)`` as signature of Model, and no signature of other classes, few of which users construct."""
+    """Show no signature of a class on its page, since users construct few classes; ``Model`` has ``(**tables)``."""
     return ("(**tables)" if name == "signorini.Model" else "", None) if what == "class" else None
 
 

@@ -95,4 +95,6 @@ def _run(page: Path, blocks: list[tuple[str, str]], here: Path) -> None:
             lines = iter(line.rstrip() for line in output)
             for shown in body.splitlines():
                 if shown.strip() != "…" and shown.rstrip() not in lines:
-                    raise PageError(f"{page.name}: a line of the page is missing in the output of its command, or in another order: {shown}\n{output}")
+                    raise PageError(
+                        f"{page.name}: the output lacks this line, or has it in another order: {shown}\n{output}"
+                    )
