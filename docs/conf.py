@@ -33,11 +33,11 @@ exclude_patterns = ["_build", "made"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 highlight_language = "text"
-# Docstrings name types of other libraries and of private modules, which have no page here.
+# Sphinx ignores references without a target: docstrings name types of other libraries and of private modules.
 nitpick_ignore_regex = [("py:.*", ".*")]
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
-nb_execution_mode = "force"  # a cache would keep the outputs of an older program
+nb_execution_mode = "force"  # A cache of notebook outputs would keep the outputs of an older version of signorini.
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
@@ -63,9 +63,9 @@ html_theme_options = {
 _COMMAND = "# Command line\n\nThe output of `signorini COMMAND --help` for every command.\n\n"
 _BENCHMARKS = """# Benchmarks
 
-Each script of the folder `benchmarks` compares with known answers or measures ratios in one run. `--check`, where a
-script has it, checks the answers without timing; continuous integration runs it. [accuracy.md](../accuracy.md) and
-[validation.md](../validation.md) have the results.
+Each script of the folder `benchmarks` compares signorini with known answers, or measures ratios of times and errors.
+The option `--check` of some scripts checks answers without timing; continuous integration uses this option.
+[accuracy.md](../accuracy.md) and [validation.md](../validation.md) have the results.
 
 | script | content |
 |---|---|
@@ -79,7 +79,7 @@ def _autosummary(title: str, names: list[str]) -> str:
 
 
 def _api() -> str:
-    """Return the page of all public names; keys.md describes the tables of a model."""
+    """Return the text of reference/names.md, the page of all public Python names."""
     things = {name: getattr(signorini, name) for name in signorini.__all__ if not name.startswith("__")}
     kinds = {name: thing for name, thing in things.items() if inspect.isclass(thing)}
     errors = [name for name, kind in kinds.items() if issubclass(kind, Exception)]
@@ -90,14 +90,15 @@ def _api() -> str:
         [
             "# Python names",
             "",
-            "[python.md](../python.md) has the same names by task, with the shapes of arrays.",
+            "[python.md](../python.md) lists the Python names by task, with the shapes of arrays.",
             "",
             _autosummary("Functions", functions),
             _autosummary("Classes", classes),
             _autosummary("Errors", errors),
             "## Tables of a model",
             "",
-            f"Their keys are those of the [input file](../keys.md): {', '.join(f'`{one}`' for one in tables)}.",
+            "These classes have the keys of the tables of an [input file](../keys.md): "
+            f"{', '.join(f'`{one}`' for one in tables)}.",
         ]
     )
 
@@ -110,7 +111,7 @@ def _benchmarks() -> Iterator[str]:
 
 
 def _grid(folder: str) -> str:
-    """Return cards of the pages of a folder, each with the first picture of its page."""
+    """Return a grid of cards that link the pages of a folder; each card shows the first picture of its page."""
     cards = "".join(
         f":::{{grid-item-card}} {title}\n:link: {page.stem}\n:link-type: doc\n"
         f":img-top: {picture}\n:img-alt: {words}\n:::\n"
@@ -140,12 +141,12 @@ def _write(app: Any) -> None:
 
 
 def _signature(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
-    """Return a signature of a class; only this package makes most of them, and a model takes its tables."""
+    """Show no signature of a class on its page, since users construct few classes; ``Model`` has ``(**tables)``."""
     return ("(**tables)" if name == "signorini.Model" else "", None) if what == "class" else None
 
 
 def _link(app: Any, tree: nodes.document, page: str) -> None:
-    """Link each picture of a page to its file, which has the full size; cards have links of their own."""
+    """Link each picture of a page to its file in full size, except pictures on cards, which are links already."""
     for image in list(tree.findall(nodes.image)):
         stored = app.env.images.get(image["uri"])
         if stored and "sd-card-img-top" not in image["classes"] and app.builder.format == "html":
@@ -155,7 +156,7 @@ def _link(app: Any, tree: nodes.document, page: str) -> None:
 
 
 def setup(app: Any) -> None:
-    """Write the generated pages before autosummary looks for names in them."""
+    """Write the generated pages of the site; this must happen before autosummary looks for names in these pages."""
     app.connect("builder-inited", _write, priority=100)
     app.connect("doctree-resolved", _link)
     app.connect("autodoc-process-signature", _signature)

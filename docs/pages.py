@@ -1,11 +1,13 @@
-"""Run the code on pages of the documentation; ``docs/made/PAGE`` is the working directory of a page.
+"""Run the code on pages of the documentation and compare its output with the page.
 
-A page links the files of ``examples/`` that it needs. Its blocks of code run in order:
+The working directory of a page is ``docs/made/PAGE``. The files of ``examples/`` that a page links are copied there.
+The code blocks of a page are handled in order:
 
-- ``toml`` that begins with ``# NAME.toml`` is written to that file. Other ``toml`` is a passage of a file of the page.
+- ``toml`` that begins with ``# NAME.toml`` is written to that file. Other ``toml`` must occur in a file of the page.
 - ``sh`` and ``python`` run, and may not fail.
-- A block without language shows lines of their output, in order; ``…`` stands for left-out lines.
-- Links to ``made/`` are files that the code has written.
+- A block without language shows lines that the last command printed, in order; ``…`` stands for left-out lines.
+
+Every linked file in ``made/`` must have been written by the code of the page.
 """
 
 from __future__ import annotations
@@ -26,13 +28,13 @@ RUN = [
     DOCS / "first_raft.md",
     *(page for folder in ("howto", "gallery") for page in sorted((DOCS / folder).glob("*.md")) if page.stem != "index"),
 ]
-"""Pages whose code writes files that the page shows; `index.md` has none."""
+"""Pages whose code is run before the site is built: the first tutorial, how-to pages and gallery."""
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\]\(((?:\.\./)*(examples|made)/[^)\s]+)\)")
 
 
 class PageError(Exception):
-    """Failure of the code of a page, or a line or file on the page that the code does not give."""
+    """The code of a page fails, or does not print a line or write a file that the page shows."""
 
 
 def directory(page: Path) -> Path:
@@ -41,7 +43,7 @@ def directory(page: Path) -> Path:
 
 
 def cover(page: Path) -> tuple[str, str, str]:
-    """Return the title of a page, and the text and address of its first picture."""
+    """Return the title of a page, and the alternative text and link target of the page's first picture."""
     text = page.read_text("utf-8")
     return re.findall(r"^# (.*)$", text, re.MULTILINE)[0], *re.findall(r"!\[(.*?)\]\((.*?)\)", text)[0]
 
@@ -65,7 +67,7 @@ def run(page: Path) -> Path:
 
 
 def _state(text: str, inputs: list[Path]) -> str:
-    """Return a digest of the page, of its inputs and of the times at which the program's files changed."""
+    """Return a hash of the page, of its input files and of the modification times of the program's files."""
     program = Path(signorini.__file__).parent
     times = sorted(path.stat().st_mtime_ns for path in program.rglob("*") if path.suffix in (".py", ".so"))
     return hashlib.sha256(repr((text, [path.read_bytes() for path in inputs], times)).encode()).hexdigest()
@@ -82,7 +84,7 @@ def _run(page: Path, blocks: list[tuple[str, str]], here: Path) -> None:
             if named:
                 (here / named[1]).write_text(body, "utf-8")
             elif not any(body in file.read_text("utf-8") for file in here.glob("*.toml")):
-                raise PageError(f"{page.name}: not a passage of a file of the page:\n{body}")
+                raise PageError(f"{page.name}: no input file of this page contains this block of the page:\n{body}")
         elif language in ("sh", "python"):
             command = ["bash", "-euc", body] if language == "sh" else [sys.executable, "-c", body]
             done = subprocess.run(command, cwd=here, env=environment, capture_output=True, text=True, check=False)
@@ -93,4 +95,6 @@ def _run(page: Path, blocks: list[tuple[str, str]], here: Path) -> None:
             lines = iter(line.rstrip() for line in output)
             for shown in body.splitlines():
                 if shown.strip() != "…" and shown.rstrip() not in lines:
-                    raise PageError(f"{page.name}: the output has no such line, or another order: {shown}\n{output}")
+                    raise PageError(
+                        f"{page.name}: the output lacks this line, or has it in another order: {shown}\n{output}"
+                    )

@@ -348,8 +348,8 @@ def test_filled_columns_have_footprints_and_what_has_none_is_told(plate: Sheet) 
     assert points.pop((0.283, 0.283, 45.0), None) or points.pop((0.283, 0.283, -45.0)) == [(9, 1)]
     assert points == {(0.4, 0.4): [(1, 1), (3, 1), (5, 1)], (0.3,): [(7, 1)], (): [(3, 5.15), (12, 3)]}
     assert drawing.left == (
-        "points: 1, at [12, 3]: their shape reaches beyond the plate; points without footprint",
-        "points: 1, at [3, 5.15]: neither circles nor rectangles; points without footprint",
+        "points: 1, at [12, 3]: their shape reaches beyond the plate; imported as points without footprint",
+        "points: 1, at [3, 5.15]: neither circles nor rectangles; imported as points without footprint",
     )
 
 
@@ -428,7 +428,7 @@ LOST = {
     "open": (lambda s: s.open("POINTS", (1, 1), (2, 1), (2, 2), (1, 2)), "layer POINTS: 1 open line, at [1, 1]"),
     "crossing": (
         lambda s: [s.closed(box(2, 2, *size), "POINTS") for size in ((0.3, 0.6), (0.6, 0.3))],
-        "points: 2, at [2, 2], [2, 2]: shapes that cross at one place; none is taken",
+        "points: 2, at [2, 2], [2, 2]: shapes that cross at one place; none is imported",
     ),
     "a hole at the edge": (lambda s: s.closed(box(12, 2, 1, 1), "HOLES"), "holes: 1, at [12, 2]: not inside"),
     "an opening on the outline's layer": (lambda s: s.circles("OUTLINE", (12, 2, 1)), "holes: 1, at [12, 2]: not in"),
@@ -515,7 +515,7 @@ def test_two_lines_as_far_apart_as_the_faces_of_a_wall_are_one(plate: Sheet) -> 
     assert sorted(ends[0]) == [(1.1, 1.1), (5.9, 1.1)] and len(ends) == 4
     faces, beside = drawing.took[-2:]
     assert faces.startswith("lines: 1 pair side by side, 0.2 m apart, at [")
-    assert faces.endswith("]: faces of walls, the lines along their middles")
+    assert faces.endswith("]: faces of walls, imported as the center lines")
     assert beside == (
         "lines: 1, at [1, 4.24]: beside another, less than 0.6 m apart; both are supports. Keep one where they are the "
         "faces of one wall"
@@ -534,7 +534,7 @@ LEFT = {
     ),
     "no wall": (
         lambda plate: plate.closed(TEE, "LINES"),
-        "lines: 1 closed, at [3, 4]: no wall of one thickness. Draw its middle, or a rectangle",
+        "lines: 1 closed, at [3, 4]: not a wall of constant thickness. Draw its center line, or a",
     ),
 }
 

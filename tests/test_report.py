@@ -351,7 +351,7 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_plate_is_solved(
     (tmp_path / taken).mkdir()
     ended = CliRunner().invoke(app, ["report", str(file), "--xlsx"])
     assert ended.exit_code == 2
-    assert f"{taken} cannot be written: this name is taken" in ended.stderr
+    assert f"{taken} cannot be written: the path exists and is not a regular file" in ended.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"slab.toml", taken}
 
 

@@ -17,11 +17,11 @@ _MAX_PROBLEMS = 20
 _MAX_NAMES = 30
 """Largest number of names that a message lists completely; the 26 functions of an expression fit."""
 _EXAMPLES = 8
-"""Number of names listed as examples if there are more than `_MAX_NAMES`."""
+"""Number of known names that a message gives as examples if there are more than `_MAX_NAMES`."""
 _COMPARED = 60
-"""Number of characters of an unknown name that are compared with the known names."""
+"""Number of leading characters of an unknown name that are compared with known names, to find similar names."""
 _DIGITS = 15
-"""Number of decimal digits that a double holds."""
+"""Number of significant decimal digits of a double."""
 
 
 class SignoriniError(Exception):
@@ -63,7 +63,7 @@ class InputError(SignoriniError, ValueError):
         self._parts: tuple[InputError, ...] = ()
 
     def __str__(self) -> str:
-        """Return the text "place: message"."""
+        """Return the error as text: "place: message"."""
         return f"{self.place}: {self.message}" if self.place else self.message
 
     @property
@@ -96,7 +96,7 @@ class Problems:
 
     @contextmanager
     def collected(self) -> Iterator[None]:
-        """Context that collects an InputError raised within the context."""
+        """Context that catches an InputError raised within the context and stores its problems."""
         try:
             yield
         except InputError as error:
@@ -155,7 +155,7 @@ def point(coordinates: Iterable[float], size: float = 0.0) -> str:
 
 
 def length(value: float, size: float = 0.0) -> str:
-    """Write a length with 6 digits, or more if it is large; first round it to 1e-9 ``size``, if there is a size.
+    """Write a length, rounded to 1e-9 ``size`` unless ``size`` is 0, with 6 significant digits or, if large, more.
 
     Examples
     --------
@@ -165,15 +165,14 @@ def length(value: float, size: float = 0.0) -> str:
     ('4500012.3457', '4500012.346')
     """
     rounded = round(float(value) / size, 9) * size if size else float(value)
-    # A coordinate of at least 10 times the size, or 1000 without a size, needs more digits to differ from close
-    # coordinates.
+    # Large coordinates (from 10 times the size on, or 1000 without a size) need more digits to differ from each other.
     ratio = abs(rounded) / (10.0 * size or 1000.0)
     extra = 1 + math.floor(math.log10(ratio)) if math.isfinite(ratio) and ratio >= 1.0 else 0
     return f"{rounded + 0.0:.{min(6 + extra, _DIGITS)}g}"
 
 
 def unknown(kind: str, name: str, allowed: Iterable[str], owner: str = "This model") -> str:
-    """Message for an unknown name: the known names or, if there are many, the most similar ones, and a suggestion.
+    """Message for an unknown name, with all known names or, if there are many, the most similar names.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Utilities without knowledge of plates: files, memory, arguments, pickling, numbers in text."""
+"""General utilities: checks of arguments, atomic writing of files, memory, pickling, numbers in text."""

@@ -1,4 +1,4 @@
-"""Check arguments of Python functions; the messages are like those for an input file."""
+"""Validate arguments of the Python functions; errors have the same form as errors in an input file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _C = TypeVar("_C", bound=Callable[..., Any])
 
 
 def checked(function: _C) -> _C:
-    """Decorate a function or class: if arguments are missing or unknown, an InputError shows the signature.
+    """Decorate a function or class so that missing or unknown arguments raise an InputError with its signature.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def _require_signature(function: Callable[..., Any], args: tuple[Any, ...], kwar
 
 
 def number(value: object, place: str) -> float:
-    """Validate a real number; infinity and NaN are allowed."""
+    """Validate a real number and return it; infinity and NaN are allowed."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
@@ -76,7 +76,7 @@ def number(value: object, place: str) -> float:
 
 
 def interval(value: object, place: str) -> tuple[float, float]:
-    """Validate two finite limits (lower, upper), lower < upper."""
+    """Validate and return two finite limits (lower, upper) with lower < upper."""
     limits = _array(value)
     if limits is None or limits.shape != (2,) or not np.isfinite(limits).all() or limits[0] >= limits[1]:
         raise InputError(
@@ -86,14 +86,14 @@ def interval(value: object, place: str) -> tuple[float, float]:
 
 
 def path(value: object, what: str, place: str) -> str:
-    """Validate the path of a file; the message describes the file by ``what``, such as "a file"."""
+    """Validate and return the path of a file; an error message calls the file ``what``, such as "an input file"."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
     return os.fspath(value)
 
 
 def points(value: object, place: str = "points") -> NDArray[np.float64]:
-    """Validate a point or a sequence of points; return positions (q, 2)."""
+    """Validate a point [x, y] or a sequence of points; return their positions (q, 2)."""
     positions = _array(value)
     if positions is not None and positions.shape in ((0,), (2,)):
         positions = positions.reshape(-1, 2)
@@ -105,7 +105,7 @@ def points(value: object, place: str = "points") -> NDArray[np.float64]:
 
 
 def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
-    """Validate a vector of ``length`` finite numbers."""
+    """Validate and return a vector of ``length`` finite numbers."""
     entries = _array(value)
     if entries is None or entries.shape != (length,):
         found = reprlib.repr(value) if entries is None else f"an array of shape {entries.shape}"
@@ -117,7 +117,7 @@ def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
 
 
 def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
-    """Validate an array of numbers with ``dimensions`` dimensions."""
+    """Validate and return an array of numbers with ``dimensions`` dimensions."""
     entries = _array(value)
     if entries is None or entries.ndim != dimensions:
         found = reprlib.repr(value) if entries is None else f"an array of shape {entries.shape}"
@@ -127,14 +127,14 @@ def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
 
 
 def name(value: object, kind: str, place: str) -> str:
-    """Validate that a name is text; the message names the ``kind`` of the named object."""
+    """Validate that a name is text; an error message says of which ``kind`` the named object must be."""
     if not isinstance(value, str):
         raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
     return value
 
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
-    """Validate that a name is in ``allowed``; the message names its ``kind`` and its ``owner``."""
+    """Validate that a name is in ``allowed``; an error message names the ``kind`` of name and the names' ``owner``."""
     text = name(value, kind, place)
     if text not in allowed:
         raise InputError(unknown(kind, text, allowed, owner), place=place)
@@ -150,7 +150,7 @@ def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> st
 
 
 def index(value: object, count: int, kind: str, place: str) -> int:
-    """Validate an index from 0 to ``count`` - 1."""
+    """Validate and return an index from 0 to ``count`` - 1."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= value < count:
         return int(value)
     allowed = f"0 to {count - 1}"
@@ -158,7 +158,7 @@ def index(value: object, count: int, kind: str, place: str) -> int:
 
 
 def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T], object]:
-    """Validate a progress callback; None becomes a callback without effect."""
+    """Validate and return a progress callback; for None return a callback that does nothing."""
     if value is None:
         return lambda now: None
     if not callable(value):
@@ -173,7 +173,7 @@ def made_by(value: object, kind: type, advice: str, place: str) -> None:
 
 
 def _array(value: object) -> NDArray[np.float64] | None:
-    """Convert a value to an array of real numbers; None if this is impossible."""
+    """Convert a value to an array of real numbers; return None if it cannot be converted."""
     try:
         entries = np.asarray(value)
         return None if entries.dtype.kind == "c" else np.asarray(entries, dtype=np.float64)

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from signorini.base import arguments
 
 _LONGEST_NAME = 50
-"""Largest number of characters of a file's name that are copied into the name of its temporary directory."""
+"""Number of leading characters of a file's name that the name of its temporary directory contains."""
 
 
 @contextmanager
@@ -25,7 +25,7 @@ def temporary_directory(beside: Path, name: str) -> Iterator[Path]:
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context with a temporary path to write to; the written file is moved to ``path`` at the end.
+    """Context with the path of a temporary file to write; at the end of the context this file replaces ``path``.
 
     Other programs see the old file or the new file, both complete. If the body raises, ``path`` is unchanged and no
     temporary file remains. If ``path`` is a link, the file to which it points is replaced. The directory must exist.
@@ -36,18 +36,18 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def require_replaceable(path: str | os.PathLike[str]) -> None:
-    """Raise the OSError that `replacing` would raise, before the content of a file is computed."""
+    """Raise an OSError if `replacing` could not write ``path``; to be called before the content is computed."""
     with _beside(path):
         pass
 
 
 @contextmanager
 def _beside(path: str | os.PathLike[str]) -> Iterator[tuple[Path, Path]]:
-    """Context with a temporary directory beside the file to which a path leads, and with the path of this file."""
+    """Context with the file to which ``path`` leads, links resolved, and a temporary directory beside this file."""
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
         kind = errno.EISDIR if target.is_dir() else errno.EEXIST
-        raise OSError(kind, "this name is taken, and it is not a regular file", str(path))
+        raise OSError(kind, "the path exists and is not a regular file", str(path))
     with temporary_directory(target.parent, target.name) as hidden:
         yield hidden, target
 
@@ -58,8 +58,8 @@ def replacing_together(
 ) -> Iterator[Path]:
     """Context with an empty directory to write files to, all of which are moved into ``directory`` at the end.
 
-    The directory is made if necessary. The new files replace the files of the former run, whose names ``former`` reads
-    from the file ``seal``. Files of other programs stay; a new file with the name of such a file is refused. After an
+    The directory is made if necessary. The new files replace the files of an earlier run, whose names ``former`` reads
+    from the file ``seal``. Files of other programs stay; a new file must not have the name of such a file. After an
     error the directory is unchanged. Several processes move their files one after another, so that the complete set of
     the last process remains. The seal is removed first and written last, so that a directory with a seal is complete.
     """
@@ -86,9 +86,9 @@ def replacing_together(
 
 
 def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
-    """Refuse ``names`` that files of other programs have in the directory ``target``.
+    """Raise an OSError if the directory ``target`` has a file of another program with one of the ``names``.
 
-    Return the names of files of an earlier run that exist there; ``former`` reads these names from the directory.
+    Return the names of existing files of an earlier run in this directory; ``former`` reads these names from it.
     """
     ours = {name for name in former(target) if os.path.lexists(target / name)}
     for name in sorted({*names, *ours}):
@@ -115,7 +115,7 @@ def _move(moves: list[tuple[Path, Path]]) -> None:
 
 @contextmanager
 def locked(directory: Path) -> Iterator[None]:
-    """Context that locks a directory for one process at a time; without effect on Windows."""
+    """Context in which this process has an exclusive lock on a directory; without effect on Windows."""
     if sys.platform == "win32":
         yield
         return

@@ -1,6 +1,6 @@
 """Linear programs, by HiGHS (Huangfu & Hall 2018, *Math. Prog. Comp.* 10).
 
-The package highspy is imported in a tenth of the time of `scipy.optimize`, which includes HiGHS too.
+HiGHS is also part of `scipy.optimize`, but the import of highspy takes only a tenth of the time.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ _Floats = NDArray[np.float64]
 _PRIMAL = 4
 """Value of HiGHS's option ``simplex_strategy`` for the primal simplex method."""
 _FEASIBLE = 1e-7
-"""Default feasibility tolerance, absolute, for rows and bounds; also the default of HiGHS."""
+"""Default absolute tolerance by which a solution may violate rows and bounds; also the default of HiGHS."""
 
 
 def minimise(
@@ -26,8 +26,8 @@ def minimise(
 ) -> _Floats | None:
     """Minimise c·x subject to l ≤ A x ≤ u and bounds on x; None if the program is infeasible or unbounded.
 
-    Bounds are pairs of arrays, or of numbers for all entries; ±inf means no bound. Rows and bounds are satisfied within
-    the absolute ``tolerance``. A failure of the solver raises a RuntimeError.
+    Lower and upper bounds are arrays, or single numbers for all entries; ±inf means no bound. Rows and bounds are
+    satisfied within the absolute ``tolerance``. A failure of the solver raises a RuntimeError.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def minimise_with_prices(
     import highspy
 
     class Quiet(highspy.Highs):
-        """HiGHS without its banner: the constructor of HiGHS ≥ 1.16 calls this method, which switches output off."""
+        """HiGHS without its banner: its constructor (HiGHS ≥ 1.16) calls ``enableCallbacks``, which disables output."""
 
         def enableCallbacks(self) -> None:
             self.setOptionValue("output_flag", False)
@@ -70,15 +70,14 @@ def minimise_with_prices(
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
-    # Threads do not speed up programs of this size, and would exceed the requested number.
+    # More threads do not speed up linear programs of this size, and could exceed the user's limit on threads.
     solver.setOptionValue("threads", 1)
     if isinstance(rows, np.ndarray):
-        # A dense program has three rows or columns for each plate. Presolving it takes five times as long as solving
-        # it.
+        # A dense linear program has only three rows or columns for each plate: presolve takes longer than the solve.
         solver.setOptionValue("presolve", "off")
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
-        # HiGHS has one thread pool per process; other code in this process may have started more threads.
+        # The process has one HiGHS thread pool, which other code may have made larger: accept its number of threads.
         solver.setOptionValue("threads", 0)
         solver.run()
     ends = highspy.HighsModelStatus
@@ -97,12 +96,12 @@ def minimise_with_prices(
 
 
 def _conclusive(ends: Any) -> tuple[object, ...]:
-    """HiGHS statuses after which it is known whether the program has a solution."""
+    """Return the HiGHS statuses that decide whether the linear program has a solution."""
     return ends.kOptimal, ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible
 
 
 def _by_rows(matrix: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], _Floats]:
-    """Row starts, column indices and values of a matrix's nonzero entries, in compressed row storage."""
+    """Return row starts, column indices and values of a matrix's nonzero entries: compressed sparse row storage."""
     if hasattr(matrix, "tocsr"):
         sparse = matrix.tocsr()
         return sparse.indptr.astype(np.int32), sparse.indices.astype(np.int32), sparse.data

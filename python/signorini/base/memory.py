@@ -1,4 +1,4 @@
-"""Memory: estimated bytes for solving a mesh before it is made, and free bytes."""
+"""Estimate the memory for solving a plate before its mesh is made, and compare it with the free memory."""
 
 from __future__ import annotations
 
@@ -13,30 +13,29 @@ from pathlib import Path
 from signorini.errors import InputError, Place
 
 _PER_DOF = 1800.0
-"""Bytes per dof of mesh, element matrices, fields and update matrices. Slabs on tensionless soil with congruent
-elements took, without the factor L of K, 1500 on 230 thousand dofs and 1000 on 3.7 million dofs. Without congruent
-elements, slabs take 300 more."""
+"""Bytes per dof of all data except the factor L of K: mesh, element matrices, fields, update matrices.
+
+Slabs on tensionless soil took 1500 with 230 thousand dofs and 1000 with 3.7 million dofs. These slabs have congruent
+elements; slabs without congruent elements take 300 more.
+"""
 
 _DISCRETISED = 1200.0
-"""Bytes per dof of mesh and arrays before the factor, on rank 0. Slab A took 1100 on one million dofs."""
+"""Bytes per dof on MPI rank 0 for mesh and arrays, before K is factored; slab A took 1100 with one million dofs."""
 
 _MACHINES: ContextVar[int] = ContextVar("machines", default=1)
 
 _PER_PAIR = 200.0
-"""Bytes of condensed matrices and of Lemke's tableau per pair of contact points.
-
-Measured on 1600 and 3025 points.
-"""
+"""Bytes of condensed matrices and Lemke's tableau per pair of contact points, measured with 1600 and 3025 points."""
 
 _PER_FOOTPRINT = 300.0
-"""Bytes of the factor's rows per footprint and √dofs.
+"""Bytes per footprint and √dofs of the rows of G of supports with footprints, after forward substitution.
 
-After forward substitution the row of a footprint has a few times √dofs columns. 900 footprints on 232 thousand dofs
-took 270.
+Forward substitution with the factor makes a few times √dofs nonzero columns in such a row. A plate of 900 footprints
+and 232 thousand dofs took 270.
 """
 
 _PER_THREAD = 1.0e9
-"""Bytes of address space that matrix products reserve per thread; only a small part of it is used."""
+"""Bytes of address space that matrix products reserve per thread; they use only a small part of it."""
 
 _LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in_bytes")
@@ -44,7 +43,7 @@ _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in
 
 @contextmanager
 def over_machines(count: int) -> Iterator[None]:
-    """Context in which ``count`` machines share the factor, so that `needed` is the part of the first machine."""
+    """Context in which ``count`` machines share the factor; `needed` then estimates the bytes on the first machine."""
     token = _MACHINES.set(count)
     try:
         yield
@@ -53,7 +52,7 @@ def over_machines(count: int) -> Iterator[None]:
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes for solving a plate of ``elements`` elements; the estimate is up to a third too large.
+    """Estimate the bytes of memory for solving a plate of ``elements`` elements; up to a third too large.
 
     The number of factor entries per dof grows with the logarithm of the number of dofs, as for nested dissection.
 
@@ -68,7 +67,7 @@ def needed(elements: int) -> float:
 
 
 def needed_by_points(points: int) -> float:
-    """Estimate the bytes for condensing ``points`` contact points and solving their complementarity problem.
+    """Estimate the bytes for condensing the plate onto ``points`` contact points and solving the LCP.
 
     Examples
     --------
@@ -79,7 +78,7 @@ def needed_by_points(points: int) -> float:
 
 
 def fits(bytes_needed: float) -> bool:
-    """Whether ``bytes_needed`` bytes of memory are free."""
+    """Whether this process can still allocate ``bytes_needed`` bytes of memory."""
     return bytes_needed <= available()
 
 
@@ -117,17 +116,17 @@ def elements_that_fit(most: int) -> int:
 
 
 def require_memory(elements: int, place: Place) -> None:
-    """Refuse a mesh whose solution does not fit into memory, before the system kills the process."""
+    """Raise an InputError if the solution of a mesh does not fit into memory, before the system kills the process."""
     _require(needed, elements, f"A mesh of {elements:,} elements", "Use larger elements.", place)
 
 
 def require_memory_for_points(points: int, advice: str, place: Place) -> None:
-    """Refuse contact points whose condensed problem does not fit into memory."""
+    """Raise an InputError if the problem condensed onto ``points`` contact points does not fit into memory."""
     _require(needed_by_points, points, f"The problem of {points:,} contact points that need condensing", advice, place)
 
 
 def needed_by_footprints(footprints: int, dofs: int) -> float:
-    """Estimate the bytes of the rows of ``footprints`` footprints in a factor of ``dofs`` dofs.
+    """Estimate the bytes of the rows of ``footprints`` footprints, forward-substituted in a factor of ``dofs`` dofs.
 
     Examples
     --------
@@ -138,7 +137,7 @@ def needed_by_footprints(footprints: int, dofs: int) -> float:
 
 
 def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> None:
-    """Refuse footprints whose rows do not fit into memory."""
+    """Raise an InputError if the rows of supports with footprints do not fit into memory."""
     subject = f"The problem of {footprints:,} supports with footprints"
     _require(lambda count: needed_by_footprints(count, dofs), footprints, subject, "Use fewer footprints.", place)
 

@@ -1,4 +1,4 @@
-"""Numbers as text: rounded, with half-widths, for terminals and pictures."""
+"""Write numbers as text for terminals and pictures: rounded, with their half-widths (±)."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 ROUNDING = 1e-10
-"""Numbers smaller than this, relative to the largest number of their kind, are displayed as zero.
+"""Numbers below this fraction of the largest number of their kind are written as 0, since they are rounding errors.
 
-Certificates tolerate a hundred times as much.
+Certificates tolerate errors a hundred times as large.
 """
 
 
 _KNOWN = 12
-"""Significant digits without rounding errors: numbers that agree in these are written alike, also midway."""
+"""Numbers are first rounded to this many significant digits, so that rounding errors do not change their text."""
 _LEAST = 4
 """Smallest number of significant digits with which a number is shown beside its half-width."""
 _LONG = 9
-"""A half-width with at least this number of decimals is written with an exponent."""
+"""A half-width that needs at least this number of decimals is written with an exponent."""
 
 
 def size_of(values: ArrayLike) -> float:
-    """Largest magnitude of values, relative to which rounding errors are displayed as 0; 0 without values."""
+    """Largest magnitude of values, the reference for numbers that are written as 0; 0 for an empty array."""
     return float(np.abs(np.asarray(values, dtype=np.float64)).max(initial=0.0))
 
 
@@ -43,12 +43,12 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
     if abs(value) <= ROUNDING * largest:
         return "0"
     value = float(f"{value:.{_KNOWN}g}")
-    # Forces in newtons often exceed six digits; more digits are easier to read than an exponent.
+    # Forces in newtons often have more than six digits; all digits are easier to read than an exponent.
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
 
 
 def estimated(value: float, width: float | None, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number with its half-width, which is rounded up to one or two digits; ``None`` is written as "± ?".
+    """Write a number with its half-width, rounded up to one or two digits; a half-width of None is written as "± ?".
 
     The number is rounded to the last digit of the half-width, but has at least four digits.
 
@@ -90,7 +90,7 @@ def in_unit(unit: str) -> str:
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """Name the meshes that were compared for ± by their numbers of elements, or the reason why there is no ±.
+    """Write a sentence with the numbers of elements of the meshes compared for ±, or with the reason why ± is missing.
 
     Examples
     --------
@@ -104,14 +104,11 @@ def compared(elements: Sequence[int], asked: bool) -> str:
 
 
 POWERS = -4, 5
-"""Smallest and largest power of ten of numbers that are written without an exponent.
-
-Five digits fit next to a colour bar.
-"""
+"""Powers of ten between which numbers are written without an exponent; five digits fit next to a colour bar."""
 
 
 def plain(value: float, digits: int) -> str:
-    """Write a number with ``digits`` significant digits; numbers outside `POWERS` have an exponent.
+    """Write a number with ``digits`` significant digits for a picture; numbers outside `POWERS` have an exponent.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Values computed on first access and cached; mappings whose errors list their names."""
+"""Values that are computed on first access and cached; mappings whose KeyErrors list the known names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _V = TypeVar("_V")
 
 
 def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K, _P], _V]:
-    """Cache a function of an immutable object and hashable arguments, for the lifetime of the object.
+    """Decorate a function of an immutable object and hashable arguments: cache its values as long as the object exists.
 
     Examples
     --------
@@ -66,22 +66,22 @@ class OnDemand(Mapping[str, _V]):
         return self._kept[name]
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is a value of that name, without computing it."""
+        """Whether the mapping has a value of this name; the value is not computed."""
         return name in self._names
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names."""
+        """Iterate over the names of the mapping."""
         return iter(self._names)
 
     def __repr__(self) -> str:
-        """Show the first names, and the values that are cached."""
+        """Show the first names with their values, if cached."""
         shown = islice(self._names, FEW)
         named = [f"{name!r}: {repr(self._kept[name]) if name in self._kept else '...'}" for name in shown]
         more = f", ... {len(self)} in all" if len(self) > FEW else ""
         return f"{{{', '.join(named)}{more}}}"
 
     def __len__(self) -> int:
-        """Count the names."""
+        """Return the number of names in the mapping."""
         return len(self._names)
 
 
@@ -119,7 +119,7 @@ class Listed(tuple[_V, ...]):
         return super().__getitem__(which)
 
     def _ipython_key_completions_(self) -> list[str]:
-        """Names for completion in a notebook."""
+        """Return the names, for completion in a notebook."""
         return [item.name for item in self]  # type: ignore[attr-defined]  # Every item has a name.
 
 

@@ -18,7 +18,7 @@ def package(name: str) -> Any:
 
 
 def lazily(package: str, names_of: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` of a package that imports each module at the first access to one of its names.
+    """Return a ``__getattr__`` for a package: it imports a module when a name of that module is first accessed.
 
     Examples
     --------

@@ -13,7 +13,7 @@ _MINUTES, _HOURS = 120.0, 7200.0
 
 @dataclass(frozen=True)
 class Progress:
-    """The state of a running solve.
+    """The state of a running solve, with which the user's progress function is called.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Progress:
     method: str = ""
 
     def __str__(self) -> str:
-        """Write the state as one line."""
+        """Write the state of the solve as one line of text."""
         if self.stage == "refined":
             return self.reached
         if self.stage == "sensitivity":
@@ -100,11 +100,11 @@ def _left(seconds: float) -> str:
 
 
 Watcher: TypeAlias = Callable[[Progress], object]
-"""Function that is called with the state at every step; an exception in this function ends the solve."""
+"""Type of the user's progress function: called with the state at every step; an exception in it ends the solve."""
 
 
 def steps_of(combination: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
-    """Return a callback for the steps of a method, which passes each step to the watcher as a `Progress`."""
+    """Return a callback that a solution method calls at each step, and that calls the watcher with a `Progress`."""
 
     def steps(method: str, step: int, changing: int, residual: float) -> None:
         watcher(Progress(combination, step, changing, residual, method=method))

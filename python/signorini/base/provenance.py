@@ -18,20 +18,20 @@ from signorini.base.regular import open_regular
 
 PROGRAM = "signorini"
 FUNCTION = "function"
-"""Key of the table that stands for a Python function, with its name, in the JSON of an input."""
+"""Key, in the JSON of an input, of the table that replaces a Python function; its value is the function's name."""
 _LARGEST_FILE = 4_000_000_000
-"""Largest size in bytes of a file that an input names: that of a mesh file."""
+"""Largest allowed size in bytes of a file that an input names, such as a mesh file."""
 LARGEST_EMBEDDED = 20_000_000
-"""Largest size in bytes of a file that is embedded in results."""
+"""Largest size in bytes of a file named in the input whose content is embedded in results."""
 _LARGEST_PACKED = 1_000_000
-"""Largest size in bytes of an embedded file after compression."""
+"""Largest size in bytes, after compression, of a file whose content is embedded in results."""
 _SOURCES = Path(__file__).resolve().parents[3]
-"""The repository, if the package runs from its sources."""
+"""Root directory of the repository, if the package runs from its sources."""
 
 
 @cache
 def commit() -> str | None:
-    """Hash of the commit of the sources, with "-dirty" if files are modified; None for an installed package."""
+    """Return the hash of the source's commit, with "-dirty" if files are modified; None for an installed package."""
     if not (_SOURCES / ".git").exists():
         return None
     describe = ("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
@@ -64,7 +64,7 @@ class Provenance:
 
     @classmethod
     def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None) -> Self:
-        """Return the provenance of the input's tables, with the name and the SHA-256 of its file."""
+        """Return the provenance of an input with these tables; ``file`` is the name and the SHA-256 of its file."""
         text = _compact(tables)
         name, sha256 = file or (None, _sha256(text))
         return cls(name, sha256, text)
@@ -85,7 +85,7 @@ class Provenance:
 
     @property
     def metadata(self) -> dict[str, str]:
-        """Metadata of pictures, VTU and Parquet files."""
+        """Metadata for pictures, VTU and Parquet files: program, commit, name and SHA-256 of the input file."""
         known = {"Software": f"{PROGRAM} {__version__}", "Commit": commit(), "Input": self.file}
         return {name: text for name, text in known.items() if text} | {"Input-SHA256": self.sha256}
 
@@ -96,7 +96,7 @@ def sha256_of(model: Any) -> str:
 
 
 def tables_with(key: str, node: Any) -> Iterator[dict[str, Any]]:
-    """Yield the tables of an input that have a text under a key: "file" names mesh files and CSV files."""
+    """Yield the tables of an input in which ``key`` has a text, which for "file" is the name of a mesh or CSV file."""
     if isinstance(node, dict) and isinstance(node.get(key), str):
         yield node
     for value in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
@@ -104,7 +104,7 @@ def tables_with(key: str, node: Any) -> Iterator[dict[str, Any]]:
 
 
 def _embedded(file: str) -> dict[str, str | None]:
-    """JSON of a file that the input names: SHA-256, and content as base64 of gzip; None if unreadable or too large."""
+    """Return SHA-256 and content (base64 of gzip) of a file that the input names; None if unreadable or too large."""
     try:
         with open_regular(file, _LARGEST_FILE) as opened:
             sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
@@ -126,7 +126,7 @@ def _sha256(text: str) -> str:
 
 
 def _plain(value: object) -> object:
-    """Return the JSON value of a path, its text, or of a function, its name; `json.dumps` calls it as ``default``."""
+    """Convert a path to its text or a function to a table with its name, for `json.dumps`."""
     if isinstance(value, Path):
         return str(value)
     return {FUNCTION: getattr(value, "__qualname__", type(value).__name__)}

@@ -1,4 +1,4 @@
-"""Common behaviour of objects with arrays: a short repr, read-only arrays, pickling."""
+"""Base classes of dataclasses that contain arrays: a short repr, read-only arrays, pickling."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ class Brief:
     """
 
     def __post_init__(self) -> None:
-        """Make the arrays read-only."""
+        """Make all arrays of the object read-only."""
         self._close_arrays()
 
     def _close_arrays(self) -> None:
-        """Make the arrays read-only: changing them would contradict the values that were computed from them."""
+        """Make all arrays of the object read-only: changes would contradict values already computed from the arrays."""
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
     def __repr__(self) -> str:
-        """Show every public field, except those with ``repr=False``."""
+        """Show every public field, except fields with ``repr=False``."""
         named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # Subclasses are dataclasses.
         shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
 
 def short(value: Any) -> str:
-    """Text that shows a value briefly, such as the shape of an array or the first names of a mapping."""
+    """Return a short text for a value, such as the shape of an array or the first names of a mapping."""
     match value:
         case np.ndarray():
             return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
@@ -65,7 +65,7 @@ def short(value: Any) -> str:
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
         case Sized() if hasattr(value, "shape"):
-            # Sparse arrays have no len().
+            # len() of a sparse array raises a TypeError.
             return f"{type(value).__name__}{value.shape}"
         case Sized() if not hasattr(value, "__dataclass_fields__"):
             return f"{type(value).__name__} of {len(value)}"
@@ -87,7 +87,7 @@ class Remade(Brief):
         return {name: getattr(self, name) for name in self._names() if name not in self._made}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore the fields that were pickled."""
+        """Restore the pickled fields, and make arrays read-only."""
         self.__dict__.update(state)
         self._close_arrays()
 
@@ -111,10 +111,10 @@ class Remade(Brief):
     def _names(self) -> list[str]:
         return [field.name for field in fields(self)]  # type: ignore[arg-type]  # Subclasses are dataclasses.
 
-    if not TYPE_CHECKING:  # With ``__getattr__`` a type checker would accept any attribute.
+    if not TYPE_CHECKING:  # Hide ``__getattr__`` from type checkers, which would otherwise accept any attribute.
 
         def __getattr__(self, name: str) -> Any:
-            """Recompute a field in ``_made``; called for missing attributes only."""
+            """Recompute a field in ``_made``; Python calls this method only for missing attributes."""
             if name not in type(self)._made:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
             value = self.__dict__[name] = type(self)._made[name](self)

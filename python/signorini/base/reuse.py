@@ -1,4 +1,4 @@
-"""Objects shared by calls with equal arguments, for a series of similar models."""
+"""Reuse of objects, such as meshes and factors, in calls with equal arguments, for a series of similar models."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _P = ParamSpec("_P")
 _V = TypeVar("_V")
 
 _OBJECTS = 6
-"""Largest number of objects stored for each function: a solution with ± needs those of three meshes."""
+"""Largest number of objects stored for each function; a solution with ± needs one object for each of three meshes."""
 _ARGUMENTS = 100
-"""Largest number of arguments whose hashes are stored for each function."""
+"""Largest number of calls whose hashed arguments are remembered for each function."""
 
 
 class Reuse(threading.local):
     """Context in which `shared` functions return the same object for equal arguments; each thread has its own objects.
 
-    An object is stored when its arguments occur for the second time. So objects that no other call needs take no
-    memory.
+    The object of a call is stored when the same arguments occur for the second time. So objects of arguments that occur
+    once take no memory.
 
     Examples
     --------
@@ -42,16 +42,16 @@ class Reuse(threading.local):
         self._tokens = list[Token[Reuse | None]]()
 
     def __enter__(self) -> Self:
-        """Activate it in this thread."""
+        """Activate the reuse of objects in this thread."""
         self._tokens.append(_active.set(self))
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Deactivate it; its objects are kept for the next time."""
+        """Deactivate the reuse of objects; stored objects are kept for the next activation."""
         _active.reset(self._tokens.pop())
 
     def made(self, make: Callable[_P, _V], *args: _P.args, **kwargs: _P.kwargs) -> _V:
-        """Return the stored object for these arguments, or make it."""
+        """Return the stored object of ``make`` for these arguments; if there is none, make the object."""
         known = self._objects.setdefault(make, OrderedDict())
         key = hashlib.sha256(pickle.dumps((args, kwargs))).digest()
         is_new = key not in known
@@ -66,7 +66,7 @@ class Reuse(threading.local):
         return stored[0] if stored else value
 
     def beside(self, owner: object) -> dict[str, Any]:
-        """Values that are kept as long as the stored object ``owner``; a new dict if it is not stored."""
+        """Return a dict for values that are kept as long as ``owner`` is stored; a new dict if it is not stored."""
         entries = (entry for known in self._objects.values() for entry in known.values() if entry)
         return next((values for stored, values in entries if stored is owner), {})
 
@@ -75,7 +75,7 @@ _active: ContextVar[Reuse | None] = ContextVar("_active", default=None)
 
 
 def shared(make: Callable[_P, _V]) -> Callable[_P, _V]:
-    """Make a function share its objects in the context of a `Reuse`; its arguments must be picklable."""
+    """Decorate a function so that it reuses objects in the context of a `Reuse`; its arguments must be picklable."""
 
     def get(*args: _P.args, **kwargs: _P.kwargs) -> _V:
         reuse = _active.get()
@@ -85,6 +85,6 @@ def shared(make: Callable[_P, _V]) -> Callable[_P, _V]:
 
 
 def beside(owner: object) -> dict[str, Any]:
-    """`Reuse.beside` of the active `Reuse`; outside its context a new dict."""
+    """Return `Reuse.beside` of the active `Reuse`; without an active `Reuse` a new dict."""
     reuse = _active.get()
     return {} if reuse is None else reuse.beside(owner)

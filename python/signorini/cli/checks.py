@@ -17,7 +17,7 @@ _STYLES = {True: "green", False: "bold red", None: "yellow"}
 
 
 def print_checks(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print every check, failed ones first: value, limit, utilisation, ±, governing combination, place and verdict."""
+    """Print a row for each check, failed checks first: value, limit, utilisation, governing combination, verdict."""
     checks = sorted(check_results(results, estimates), key=lambda one: one.passed is not False)
     columns = [Column("check"), Column("of", spare=True), *numbers("value", "limit", "utilisation")]
     shown = Grid([*columns, Column("governing", coded=labels.numbered), Column("at", spare=True), Column("verdict")])

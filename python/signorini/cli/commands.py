@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from signorini.mpi.engine import Engine
 
 _MAX_REASONS = 20
-"""Largest number of combinations without equilibrium for which the reason is printed."""
+"""Largest number of combinations without equilibrium for which a message gives the reasons."""
 _BEFORE_LIMIT = 0.999
-"""End of a path that a message suggests, relative to the factor at which equilibrium ends."""
+"""Value for --until that a message suggests, as a fraction of the t at which equilibrium of the load path ends."""
 _OPTIONS = {
     "start": "--from",
     "add": "--add",
@@ -52,7 +52,7 @@ _OPTIONS = {
     "sensitivity": "--sensitivity",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
-"""Command-line option for each argument of `signorini.path` and `read_dxf`."""
+"""Command-line option for each Python argument that an error message may name."""
 
 app = typer.Typer(
     name="signorini",
@@ -75,11 +75,11 @@ Threads = Annotated[
 ]
 Start = Annotated[
     str | None,
-    typer.Option("--from", metavar="CASE", help="The load at t = 0, a case or combination. [default: none]"),
+    typer.Option("--from", metavar="CASE", help="The load at t = 0: a load case or combination. [default: no load]"),
 ]
 Until = Annotated[
     float | None,
-    typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
+    typer.Option(metavar="T", help="The largest t. [default: the t at which equilibrium or the events end]"),
 ]
 SensitivityOf = Annotated[
     list[str] | None,
@@ -97,15 +97,15 @@ def main() -> None:
     signal.signal(signal.SIGTERM, _terminate)
     streams.open_closed()
     for stream in (sys.stdout, sys.stderr):
-        # Characters that the terminal's encoding lacks are replaced; by default they would raise an error.
+        # Replace characters that the terminal's encoding lacks; by default such characters would raise an error.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    # The exit code tells an error whose message is lost.
+    # If an error message cannot be written, the exit code still reports the error.
     sys.stderr = streams.tolerant(sys.stderr)
     try:
         app()
     except OSError as error:
-        # Text that is in no file: --help, --version, and what schema and explain print.
+        # The lost output, of --help, --version, schema or explain, is in no file.
         streams.discard(sys.stdout)
         say(streams.stderr(), f"Error: the text cannot be written to standard output: {error.strerror}.")
         sys.exit(SignoriniError.exit_code)
@@ -133,7 +133,8 @@ def _options(
 
 
 @app.command(
-    short_help="Solve every combination, write the results.", epilog="Example: signorini solve slab.toml -o results"
+    short_help="Solve every load combination, write the results.",
+    epilog="Example: signorini solve slab.toml -o results",
 )
 def solve(
     file: InputFile,
@@ -145,7 +146,7 @@ def solve(
     pictures: Annotated[
         Literal["all", "governing", "none"] | None,
         typer.Option(
-            help="Combinations with pictures. [default: all if there are at most four, else the governing ones]",
+            help="Combinations with pictures. [default: all, or only the governing ones if there are more than four]",
             show_default=False,
         ),
     ] = None,
@@ -173,7 +174,7 @@ def solve(
         if xlsx:
             package("xlsxwriter")
         if ranks and sensitivity:
-            raise InputError("the engine petsc has no sensitivities. Take --engine embedded.", "--sensitivity")
+            raise InputError("the engine petsc computes no sensitivities. Use --engine embedded.", "--sensitivity")
         _limit(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
@@ -202,10 +203,13 @@ def check(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="PICTURE", help="The picture, .png .svg .pdf. [default: FILE-check.png]"
+            "-o",
+            "--output",
+            metavar="PICTURE",
+            help="File of the picture: .png, .svg or .pdf. [default: FILE-check.png]",
         ),
     ] = None,
-    nodes: Annotated[bool, typer.Option("--nodes", help="Write the numbers of the nodes, from 1.")] = False,
+    nodes: Annotated[bool, typer.Option("--nodes", help="Write node numbers, from 1, into the picture.")] = False,
 ) -> None:
     """Validate, mesh and draw the model, and check that the supports can balance every combination, without solving."""
     with _messages(file):
@@ -227,37 +231,48 @@ def check(
 
 
 @app.command(
-    short_help="Follow one load as another grows.",
+    short_help="Follow a plate under a growing load.",
     epilog="Example: signorini path slab.toml --from G --add Q --until 2",
 )
 def path(
     file: InputFile,
     add: Annotated[
         str,
-        typer.Option("--add", metavar="CASE", help="The load that grows, a case or combination.", show_default=False),
+        typer.Option(
+            "--add", metavar="CASE", help="The load that grows: a load case or combination.", show_default=False
+        ),
     ],
     start: Start = None,
     until: Until = None,
     steps: Annotated[
-        int | None, typer.Option(metavar="N", help="Number of equally spaced t to solve. [default: 50]")
+        int | None, typer.Option(metavar="N", help="Number of equally spaced load factors t to solve. [default: 50]")
     ] = None,
-    at: Annotated[str | None, typer.Option(metavar="T,T", help="Values of t, in place of --steps: 0.5,1,1.5.")] = None,
+    at: Annotated[
+        str | None, typer.Option(metavar="T,T", help="Load factors t to solve, such as 0.5,1,1.5, in place of --steps.")
+    ] = None,
     when: Annotated[
         list[str] | None,
-        typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = -203e3"; repeatable.'),
+        typer.Option(
+            metavar="EQUATION",
+            help='Find the t at which a result has a value: "bolts[1].reaction = -203e3"; repeatable.',
+        ),
     ] = None,
     events: Annotated[
         str,
-        typer.Option(metavar="WHICH", help="named (default), or all: every contact point, no ±.", show_default=False),
+        typer.Option(
+            metavar="WHICH",
+            help="Events to find: named (default), or all: of every contact point, without ±.",
+            show_default=False,
+        ),
     ] = "named",
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
     ] = None,
     no_error: NoError = False,
 ) -> None:
-    """Follow one load as another grows: the t at which supports open or close, and at which equilibrium ends.
+    """Follow a plate under a load t times --add: the t at which supports open or close, and at which equilibrium ends.
 
-    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes the results up to there.
+    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes its results until then.
     """
     with _messages(file):
         from signorini.analysis.estimate import estimate_asked
@@ -303,12 +318,15 @@ def path(
 
 
 @app.command(
-    short_help="Solve the model in results again, compare all numbers.",
+    short_help="Solve the model of a results file again, compare all numbers.",
     epilog="Example: signorini verify slab-results/results.json. Exit codes: 0 equal, 1 not equal, 2 bad file.",
 )
 def verify(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="A results.json, a path.json or a report.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="FILE", help="The file of results: a results.json, a path.json or a report.", show_default=False
+        ),
     ],
     threads: Threads = None,
 ) -> None:
@@ -330,20 +348,24 @@ def verify(
 
 @app.command(
     short_help="Solve published cases, compare with their references.",
-    epilog="Example: signorini validate -o validation. Exit codes: 0 every verdict holds, 1 not every one.",
+    epilog="Example: signorini validate -o validation. Exit codes: 0 every verdict holds, 1 a verdict does not hold.",
 )
 def validate(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", metavar="DIR", help="Write a page a case, with pictures and input file. [default: none]"
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Directory for a page of each case, with pictures and input file. [default: none]",
         ),
     ] = None,
     names: Annotated[
-        list[str] | None, typer.Option("--case", metavar="NAME", help="Only this case; repeatable. [default: all]")
+        list[str] | None,
+        typer.Option("--case", metavar="NAME", help="Solve only this case; repeatable. [default: all cases]"),
     ] = None,
 ) -> None:
-    """Solve cases of known answer on several meshes; print the errors beside the tolerances, and the errors beside ±.
+    """Solve cases of known answer on several meshes; compare the errors of results with tolerances and with ±.
 
     Cases are solved in processes, one per core.
     """
@@ -373,9 +395,9 @@ def validate(
 
 
 def _limit(threads: int | None) -> None:
-    """Limit the threads of the core."""
+    """Limit the number of threads of the Rust core; None sets no limit."""
     if threads is not None:
-        # Rust reads this variable when its threads start, at their first use.
+        # The Rust core reads this environment variable when it first starts its threads.
         os.environ["RAYON_NUM_THREADS"] = str(threads)
 
 
@@ -393,14 +415,18 @@ def report(
     xlsx: Annotated[bool, typer.Option("--xlsx", help="Also write a spreadsheet beside the report.")] = False,
     add: Annotated[
         str | None,
-        typer.Option("--add", metavar="CASE", help="Add a load path: the load that grows, a case or combination."),
+        typer.Option(
+            "--add",
+            metavar="CASE",
+            help="Add a load path to the report, along which this load grows: a load case or combination.",
+        ),
     ] = None,
     start: Start = None,
     until: Until = None,
     no_error: NoError = False,
     sensitivity: SensitivityOf = None,
 ) -> None:
-    """Solve every combination and write one HTML file with checks, results, maps and the input; it needs no network.
+    """Solve every combination and write one HTML file, usable offline, with checks, results, maps and the input.
 
     Print the checks and the warnings. The table [report] of the input gives the title block and the language.
     """
@@ -412,7 +438,7 @@ def report(
         target = output if output is not None else file.with_suffix(".html")
         require_report(target, pdf, xlsx)
         if add is None and (start, until) != (None, None):
-            raise InputError("a load path needs --add, the load that grows.", place="add")
+            raise InputError("a load path in the report needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
         with progress_line() as show:
             results, estimates = _solved(model, show, sensitivity=sensitivity or ())
@@ -436,7 +462,10 @@ def study(
         str | None, typer.Option(metavar="ADDRESS", help="Solve on the cluster of this Dask scheduler.")
     ] = None,
     shard: Annotated[
-        str | None, typer.Option(metavar="I/N", help="Solve every N-th variant from number I on, in an array of jobs.")
+        str | None,
+        typer.Option(
+            metavar="I/N", help="Solve only every N-th variant from number I on, as one of N jobs that share the study."
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the table. [default: FILE-study]")
@@ -444,10 +473,12 @@ def study(
 ) -> None:
     """Solve a model for many values of its parameters; write study.parquet and pictures; print quantiles.
 
-    Run it again to go on after an interruption: finished variants are not solved again.
+    To continue an interrupted study, run the same command again: finished variants are not solved again.
     """
     directory = output if output is not None else file.with_name(f"{file.stem}-study")
-    with _messages(file, f"Interrupted; finished variants are kept in {directory}. Run the same command to go on."):
+    with _messages(
+        file, f"Interrupted; finished variants are kept in {directory}. Run the same command again to continue."
+    ):
         from signorini.cli.studies import live_table, print_study
         from signorini.output.directory import cannot_write, room_for_study
         from signorini.studies.cluster import solvers
@@ -469,7 +500,7 @@ def study(
 
 
 def _part(text: str) -> tuple[int, int]:
-    """Parse the value I/N of ``--shard``."""
+    """Parse the value I/N of ``--shard``; return the numbers I and N."""
     try:
         number, count = (int(part) for part in text.split("/"))
     except ValueError:
@@ -478,12 +509,14 @@ def _part(text: str) -> tuple[int, int]:
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:
-    """Load a model; if ``no_error`` is True, set mesh.error = false."""
+    """Load a model; if ``no_error`` is True, set mesh.error = false, so that no mesh error is estimated."""
     model = signorini.load(file)
     if not no_error:
         return model
     if model.mesh.accuracy is not None:
-        raise InputError("mesh.accuracy needs ±. Remove --no-error or mesh.accuracy.", place="no_error")
+        raise InputError(
+            "mesh.accuracy needs estimates of the mesh error (±). Remove --no-error or mesh.accuracy.", place="no_error"
+        )
     return model.model_copy(update={"mesh": model.mesh.model_copy(update={"error": False})})
 
 
@@ -506,7 +539,7 @@ def _solved(
 
 @contextmanager
 def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[None]:
-    """Context that says, after an error, that the files in a directory are those of an earlier run."""
+    """Context that, after an error, prints that files in ``directory``, if any, are from an earlier run."""
     try:
         yield
     except SignoriniError:
@@ -517,9 +550,9 @@ def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[
 
 @contextmanager
 def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
-    """Context with a room for results; with the engine petsc the room is only checked.
+    """Context with the temporary directory of ``room``; with the engine petsc the room is only checked, and removed.
 
-    If a rank dies, MPI kills the others at once, so that none of them could remove a directory.
+    If an MPI rank dies, MPI kills the other ranks at once, so that no rank could remove a temporary directory.
     """
     with room as temporary:
         if engine is None:
@@ -530,7 +563,7 @@ def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator
 
 @contextmanager
 def _ranks(engine: str) -> Iterator[Engine | None]:
-    """Context with the engine petsc; all ranks except 0 take part in its jobs and end here. None if embedded."""
+    """Context with the engine petsc, or None for "embedded"; ranks other than 0 serve rank 0 and then exit."""
     if engine == "embedded":
         yield None
         return
@@ -547,7 +580,7 @@ def _ranks(engine: str) -> Iterator[Engine | None]:
 
 
 def _numbers(text: str) -> list[float]:
-    """Parse numbers separated by commas."""
+    """Parse the numbers of ``--at``, separated by commas."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
@@ -573,11 +606,13 @@ def import_dxf(
     ] = None,
     outline: Annotated[
         list[str] | None,
-        typer.Option(metavar="LAYER", help="Layer of the outline. [default: outline, or that of the largest loop]"),
+        typer.Option(
+            metavar="LAYER", help="Layer of the outline. [default: outline, or the layer of the largest closed line]"
+        ),
     ] = None,
     holes: Annotated[
         list[str] | None,
-        typer.Option(metavar="LAYER", help="Layer of holes. [default: holes, or that of the outline]"),
+        typer.Option(metavar="LAYER", help="Layer of holes. [default: holes, or the layer of the outline]"),
     ] = None,
     zones: Annotated[list[str] | None, typer.Option(metavar="LAYER", help="Layer of zones. [default: zones]")] = None,
     points: Annotated[
@@ -589,12 +624,14 @@ def import_dxf(
     ] = None,
     unit: Annotated[
         str | None,
-        typer.Option(metavar="UNIT", help=f"Unit of the drawing: {', '.join(METRES)}. [default: that of its header]"),
+        typer.Option(
+            metavar="UNIT", help=f"Unit of the drawing: {', '.join(METRES)}. [default: unit in the drawing's header]"
+        ),
     ] = None,
 ) -> None:
     """Make an input file from a drawing: outline, holes, zones, and supports at points and along lines.
 
-    Print the shapes that were used and that were left out. Layer options can be repeated: --zones A --zones B.
+    Print numbers of used shapes, and shapes that are not used. Layer options can be repeated: --zones A --zones B.
     """
     with _messages():
         from signorini.base.files import replacing
@@ -619,21 +656,21 @@ def import_dxf(
         for line in errors:
             say(streams.stderr(), visible(f"Error: not used as drawn: {line}"))
         supported = bool(result.points or result.lines)
-        assumed, missing = (", supports that act in both directions", "") if supported else ("", "supports and ")
+        assumed, missing = (", supports that resist in both directions", "") if supported else ("", "supports and ")
         say(out, visible(f"Written to {target}. Assumed: material and thickness{assumed}. Add {missing}loads."))
         if errors:
             raise typer.Exit(InputError.exit_code)
 
 
 @app.command(
-    short_help="Print the JSON Schema of the input or of results.",
+    short_help="Print the JSON Schema of input or results files.",
     epilog="Example: signorini schema > signorini.schema.json",
 )
 def schema(
     results: Annotated[bool, typer.Option("--results", help="The schema of results.json.")] = False,
     along_path: Annotated[bool, typer.Option("--path", help="The schema of path.json.")] = False,
 ) -> None:
-    """Print the JSON Schema of the input file, for completion and checks in editors, or that of a file of results."""
+    """Print the JSON Schema of the input file, for completion and checks in editors, or of a results file."""
     with _messages():
         if along_path:
             found = signorini.results_schema("path.json")
@@ -713,7 +750,7 @@ def _messages(file: Path | None = None, interrupted: str = interrupts.MESSAGE) -
     except BaseException as error:
         if ASKED:
             _end(interrupted, interrupts.INTERRUPTED)
-        # A Rust panic is a BaseException but no Exception.
+        # PyO3 raises a Rust panic as a BaseException that is not an Exception.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         _end(

@@ -12,13 +12,13 @@ from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.grid import UNKNOWN, Column, Grid, numbers, say, say_checked
 from signorini.results.load_path import LoadPath, motion_of
 
-_UNSETTLED = f"{UNKNOWN}: on the next mesh the event does not occur, or at a very different t"
+_UNSETTLED = f"{UNKNOWN}: on another mesh the event does not occur, or occurs at a very different t"
 _MAX_EVENTS = 40
-"""Largest number of events that are all printed; if there are more, the first and the last 20 are printed."""
+"""Largest number of events for which all events are printed; of more events, only the first 20 and the last 20."""
 _MAX_INTERVALS = 3
 """Largest number of intervals of t with a non-unique solution that are printed."""
 _MAX_COLUMNS = 6
-"""Largest number of supports with a column of reactions each; with more supports, only path.csv has reactions."""
+"""Largest number of supports whose reactions are printed; of more supports, no reactions are printed."""
 
 
 def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) -> None:
@@ -50,16 +50,19 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
     say(console, f"all {len(path.stops)} stops are in path.csv")
     for threshold in path.thresholds:
         if threshold.t is None:
-            say(console, f"{threshold.when}: not reached on this path")
+            say(console, f"{threshold.when}: this value is not reached on the path")
     if path.interrupted:
-        say(console, f"Interrupted at t = {path.end:.9g}; the results up to there are certified.", style="yellow")
+        say(console, f"Interrupted at t = {path.end:.9g}; all results up to this t are certified.", style="yellow")
     say(console, _ending(path))
     for begin, end, not_unique in path.not_unique[:_MAX_INTERVALS]:
         first, last = f"{begin:.9g}", f"{end:.9g}"
         where = f"At t = {first}" if first == last else f"From t = {first} to {last}"
         say(console, f"{where} {not_unique.otherwise}: the solution is not unique.")
     if len(path.not_unique) > _MAX_INTERVALS:
-        say(console, f"{len(path.not_unique) - _MAX_INTERVALS} more such intervals, all in path.json.")
+        say(
+            console,
+            f"{len(path.not_unique) - _MAX_INTERVALS} more intervals of t without a unique solution: path.json.",
+        )
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
     say_checked(console, () if estimate is None else estimate.elements, model.estimated)
@@ -79,7 +82,7 @@ def _ending(path: LoadPath) -> str:
         case "until":
             return f"Followed to t = {path.end:.9g}. Equilibrium {_end_of_equilibrium(path)}."
         case _:
-            return f"Followed to t = {path.end:.9g} only: beyond it rounding decides which points are in contact."
+            return f"Followed to t = {path.end:.9g} only: beyond this t rounding decides which points are in contact."
 
 
 def _end_of_equilibrium(path: LoadPath) -> str:

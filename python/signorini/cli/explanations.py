@@ -1,4 +1,4 @@
-"""Print explanations of keys."""
+"""Print explanations of keys, numbers, columns and errors."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from signorini.cli.grid import say
 from signorini.output.explain import Explanation
 
 _MOST_PATHS = 4
-"""Largest number of paths that are printed of one explanation."""
+"""Largest number of paths of keys that are printed in one explanation."""
 
 
 def print_explanations(out: Console, explanations: Iterable[Explanation]) -> None:
-    """Print each explanation: its paths, its meaning, and a line for each of unit, type, allowed values and so on."""
+    """Print explanations: the paths of the key or number, its meaning, and lines with unit, type, allowed values."""
     for one in explanations:
         more = [f"{len(one.keys) - _MOST_PATHS} other paths"] if len(one.keys) > _MOST_PATHS else []
         for place, path in enumerate([*one.keys[:_MOST_PATHS], *more]):

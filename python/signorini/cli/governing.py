@@ -39,20 +39,20 @@ from signorini.singularities.named import excluding
 from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
-"""Half-widths of an envelope, as in results.json; None without half-widths."""
+"""Half-widths (±) of an envelope, in the structure of results.json; None if mesh errors are not estimated."""
 
 _MAX_NAMED = 5
-"""Largest number of combinations without equilibrium that are named; files name the others."""
+"""Largest number of combinations without equilibrium that are printed by name; result files name all of them."""
 _MAX_PROBES = 6
-"""Largest number of probes whose extremes are printed; a probe has eight rows."""
+"""Largest number of probes whose extremes are printed; a probe takes eight rows of the table."""
 _MAX_LISTED, _MAX_COMBINATIONS = 40, 40
-"""Largest number of bearings, and of combinations, for which all reactions are printed."""
+"""Largest numbers of bearings and of combinations for which the table of all reactions is printed."""
 _MAX_BEARINGS = 12
-"""Largest number of bearings whose governing reactions are printed; with more bearings, only a file has them."""
+"""Largest number of bearings for which the table of governing combinations with all reactions is printed."""
 
 
 def print_combined(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the number of solved combinations, and for each group the extremes with their combinations."""
+    """Print the number of solved combinations, and for each group the extremes with the governing combinations."""
     combined, model = results.combined, results.model
     total = len(combined.combinations)
     say(console, Text(f"{total} combinations", style="bold") + Text(f": {combined.solved} solved"))
@@ -62,7 +62,11 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
         listed = ", ".join(names[:_MAX_NAMED]) + (f" and {more} more" if more else "")
         say(console, f"{total - combined.solved} without equilibrium: {listed}", style="bold red")
     if combined.not_unique:
-        say(console, f"{combined.not_unique} not unique: the least-norm solutions are shown", style="yellow")
+        say(
+            console,
+            f"{combined.not_unique} combinations have no unique solution: the least-norm solutions are shown",
+            style="yellow",
+        )
     console.print()
     for group, count in model.effective_combinations.groups.items() or (("", total),):
         if group:
@@ -102,7 +106,7 @@ def print_means(
     units: Units,
     labels: Labels | None = None,
 ) -> None:
-    """Print the places excluded from extremes of moments and shears, and the means at these places."""
+    """Print places excluded from extremes of moments and shears, and mean moments and shears at these places."""
     for sentence in excluded(singular, units):
         say(console, sentence)
     unit = in_unit(units.length)
@@ -116,7 +120,7 @@ def print_means(
 
 
 def print_bearings(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print a table with the reaction of each bearing in each combination, unless it would be too large."""
+    """Print a table with the reaction of each bearing in each combination, unless the table would be too large."""
     layout, rows, model = results.combined.layout, results.combined.rows, results.model
     points = any(bearing.point is not None for bearing in layout.bearings)
     few = len(results) <= _MAX_COMBINATIONS and 1 < len(layout.bearings) <= _MAX_LISTED
@@ -137,14 +141,14 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
 
 
 def _cells(values: Sequence[float], widths: Sequence[float | None], largest: float) -> list[str]:
-    """Write numbers with their half-widths; without any half-width, the numbers alone."""
+    """Write values with their half-widths (±); if all half-widths are None, write the values alone."""
     if all(width is None for width in widths):
         return [number(value, largest) for value in values]
     return [estimated(value, width, largest) for value, width in zip(values, widths, strict=True)]
 
 
 def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
-    """Name of each bearing: that of its support, with the point's number if the support has several points."""
+    """Name of each bearing: the name of its support, with the point's number if the support has several bearings."""
     supports = [bearing.support for bearing in bearings]
     return [
         f"{model.support[bearing.support].name}[{bearing.point}]"
@@ -157,7 +161,7 @@ def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
 def _print_extreme_reactions(
     console: Console, results: Results, reactions: Sequence[Governing], labels: Labels
 ) -> None:
-    """Print the largest and smallest reactions of the bearings with the largest reactions."""
+    """Print the largest and smallest reaction of each of the 40 bearings with the largest reactions."""
     model, size = results.model, results.discretisation.mesh.size
     pairs = list(zip(reactions[::2], reactions[1::2], strict=True))
     listed = sorted(pairs, key=lambda pair: -max(abs(extreme.own) for extreme in pair))[:_MAX_LISTED]
@@ -176,7 +180,7 @@ def _print_extreme_reactions(
 def print_governing(
     console: Console, results: Results, estimates: Estimates | None, labels: Labels, group: str = ""
 ) -> None:
-    """Print the largest and the smallest reaction of each bearing, with the other reactions in that combination."""
+    """Print extreme reactions of each bearing, with reactions of the other bearings in the governing combination."""
     model, reactions = results.model, governing_reactions(results, estimates, group)
     if len(reactions) > 2 * _MAX_BEARINGS:
         _print_extreme_reactions(console, results, reactions, labels)
@@ -196,7 +200,8 @@ def print_governing(
         cells[index // 2].stylize("bold")
         shown.add(f"{side} {names[index // 2]}", labels.cell(extreme.combination), *cells)
     in_group = f" in {group}" if group else ""
-    say(console, f"largest and smallest reaction of each bearing{in_group}, with the others in that combination")
+    others = "with the reactions of the other bearings in that combination"
+    say(console, f"largest and smallest reaction of each bearing{in_group}, {others}")
     shown.show(console, apart=True)
 
 

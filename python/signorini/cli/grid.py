@@ -20,20 +20,20 @@ Line = Sequence[Text]
 
 _GAP = "   "
 _LONGEST_WORD = 32
-"""Largest number of characters of a word that is never divided at a line's end."""
+"""Words with at most this number of characters are never divided at the end of a line."""
 _GLUE = "\ue000"
 """Character that temporarily replaces a space at which a line must not break."""
 _UNBREAKABLE = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
-"""Pattern of text in which spaces are kept together: between a number and its unit or sign, in a point [x, y], and in
-the unit of a title.
-"""
+"""Pattern of text in which lines do not break: a number with its unit or sign, a point [x, y], a unit in brackets."""
 _WORD_PART = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
 """Pattern of a part of a word, including the separator at its end; a long word is divided into such parts."""
 _PAGE = 120
-"""Largest width of a transposed table [characters], on a terminal and in a file."""
+"""Largest width of a transposed table [characters]; a wider terminal is not filled."""
 _MIN_TEXT, _MIN_OPTIONAL = 16, 24
-"""Smallest width [characters] of a text column, and of an optional column. If the columns do not fit, optional columns
-are dropped first, then the table is transposed."""
+"""Smallest width [characters] of a text column, and of an optional column.
+
+If the columns of a table do not fit the console, optional columns are dropped first, then the table is transposed.
+"""
 
 
 def say(console: Console, text: Cell, style: str = "") -> None:
@@ -44,22 +44,22 @@ def say(console: Console, text: Cell, style: str = "") -> None:
 
 
 def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
-    """Print that the certificate checks one mesh, and how ± follows from meshes of ``elements`` elements."""
+    """Print that the certificate checks one mesh, and that ± compares meshes with these numbers of elements."""
     say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 
 @dataclass(frozen=True)
 class Column:
-    """Title of a table's column, and how it is printed."""
+    """A column of a printed table: its title, and how its cells are printed."""
 
     title: str
     number: bool = False  # whether cells are numbers: right-aligned, never wrapped
     spare: bool = False  # whether the column may be dropped if the console is too narrow
-    coded: bool = False  # whether cells are cut at the first colon if the console is too narrow
+    coded: bool = False  # whether "C7: name" is cut to "C7" if the console is too narrow
 
 
 def numbers(*titles: str) -> list[Column]:
-    """Return columns of numbers with the given titles."""
+    """Return a column of numbers for each title."""
     return [Column(title, number=True) for title in titles]
 
 
@@ -82,7 +82,7 @@ class Grid:
         self.rows.append([_glued(cell) for cell in cells])
 
     def show(self, console: Console, apart: bool = False) -> None:
-        """Print the table, unless it is empty; below it a note if it contains "± ?", and an empty line if ``apart``."""
+        """Print the table, unless empty; then a note if the table contains "± ?", and an empty line if ``apart``."""
         if not self.rows:
             return
         self._show(console)
@@ -108,7 +108,7 @@ class Grid:
         self._print(console, kept, widths)
 
     def _widths(self, kept: Sequence[int], width: int) -> list[int] | None:
-        """Widths of the columns ``kept`` such that the table fits ``width``; None if they do not fit.
+        """Widths of the columns ``kept`` with which the table fits ``width``; None if these columns cannot fit.
 
         The widest column is narrowed first.
         """
@@ -143,7 +143,7 @@ class Grid:
                 console.print(_line(columns, widths, [cell[level] if level < len(cell) else Text() for cell in cells]))
 
     def show_turned(self, console: Console) -> None:
-        """Print the transposed table in blocks; a block has as many rows of the table as fit side by side."""
+        """Print the transposed table in blocks; a block has as many rows of the original table as fit side by side."""
         width = min(console.width, _PAGE)
         first = Text(" ").join(_glued(column.title) for column in self.columns[: self.heads] if column.title)
         heads = [Text(" ").join(cell for cell in row[: self.heads] if cell) for row in self.rows]
@@ -219,13 +219,15 @@ def _line(columns: Iterable[Column], widths: Iterable[int], cells: Iterable[Text
 
 
 UNKNOWN = "± ?"
-UNSETTLED = f"{UNKNOWN}: does not converge with the mesh; it is near a place listed below as singular or unresolved"
+UNSETTLED = (
+    f"{UNKNOWN}: the number does not converge with the mesh, near a place listed below as singular or unresolved"
+)
 
 
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
-    """Write a number, with ± and its half-width if ``widths`` exist; ``path`` are its keys in ``widths``."""
+    """Write a number with its half-width (±), found at the keys ``path`` in ``widths``; None: without half-width."""
     if widths is None:
         return number(value, largest, digits)
     width: Any = widths
@@ -235,7 +237,7 @@ def cell(
 
 
 def in_contact(name: str, shown: str, value: float, total: float, measure: str, unit: str) -> str:
-    """Write how much of a support is in contact: ``value`` of its length or area ``total``.
+    """Write a sentence on the part of a support in contact: ``value`` of its length or area ``total``.
 
     ``shown`` is ``value`` as text with its half-width.
     """
@@ -246,10 +248,10 @@ def in_contact(name: str, shown: str, value: float, total: float, measure: str, 
 
 
 def in_title(quantity: Quantity, units: Units) -> str:
-    """Title of a column: name and unit of a quantity."""
+    """Title of a column: name of a quantity, with its unit."""
     return f"{quantity.name}{in_unit(quantity.unit(units))}"
 
 
 def unit_of(length: str, power: int = 1) -> str:
-    """Text with a space and the unit ``length`` to this power; empty if the model has no label for the unit."""
+    """Unit of length to the power 1 or 2, after a space; empty if the model has no label for the unit."""
     return f" {length}{'²' if power == 2 else ''}" if length else ""

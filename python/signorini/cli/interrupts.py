@@ -1,4 +1,4 @@
-"""Handle SIGINT and SIGTERM while Rust code runs."""
+"""Handle the signals SIGINT and SIGTERM also while Rust code runs, which delays Python's signal handlers."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ TERMINATED = 143
 MESSAGE = "Interrupted; no files are written."
 
 _GRACE = 1.0
-"""Seconds that Python code has, after a signal, to end by itself."""
+"""Seconds that Python code has, after a signal, to end by itself before the process is ended."""
 PATH_GRACE = 30.0
-"""Seconds that a cancelled load path has to end and write its files."""
+"""Seconds that an interrupted load path has to end and write its files before the process is ended."""
 
 
 @contextmanager
@@ -26,8 +26,8 @@ def exit_on_signal(temporary: Path | None, grace: float = _GRACE) -> Iterator[No
     """Context that ends the process within ``grace`` seconds after a signal, also while Rust code runs.
 
     Python runs signal handlers between its instructions, so a factorization delays them. The interpreter also writes
-    each signal to a pipe immediately. A thread reads the pipe and ends the process if the handlers do not. It then
-    removes the directory ``temporary``, which must contain all open files, unless it is None.
+    each signal to a pipe immediately. A thread reads the pipe and ends the process if the handlers do not. Before, the
+    thread removes the directory ``temporary``, if given, which must contain all open files.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Sentences below the tables: contact areas, bolts, lifted corners, excluded extremes, wide half-widths."""
+"""Sentences below the printed tables: contact areas, bolts, lifted corners, places excluded from extremes."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from signorini.results.support_result import SupportResult
 from signorini.singularities.singularity import Singularity
 
 _SAME_POINT = 1e-9
-"""Largest distance of points that coincide, relative to the plate's size: far above rounding."""
+"""Points up to this distance apart, relative to the plate's size, coincide; rounding errors are far smaller."""
 _MAX_CORNERS = 6
-"""Largest number of lifted corners that are listed."""
+"""Largest number of lifted corners that are printed."""
 SEVERAL = 3
 """Smallest number of combinations for which a summary replaces the tables of each combination."""
 _SHORT_NAME, _EXAMINED = 12, 1000
-"""Combinations get numbers if a name among the first 1000 is longer than 12 characters."""
+"""Combinations are numbered C1, C2, ... if a name among the first 1000 is longer than 12 characters."""
 MAX_KINDS = 6
-"""Largest number of kinds of singularities that are listed."""
+"""Largest number of kinds of singularities that are printed."""
 _PLACES = re.compile(r" at \[.*")
-"""Pattern of the positions in the description of a singularity."""
+"""Pattern of the positions at the end of the description of a singularity."""
 
 
 class Labels:
@@ -70,7 +70,7 @@ class Labels:
 
 
 def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Iterator[str]:
-    """Yield sentences on the singularities around which extremes of moments and shears exclude nodes."""
+    """Yield sentences that list singularities near which extremes of moments and shears are not evaluated."""
     quantities: dict[tuple[str, float], list[str]] = {}
     for name, places in singular.items():
         for place in places:
@@ -122,7 +122,7 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
 
 
 def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield the sums of preloads and reactions of bolts, and the ratio of bolt force to the tension of the loads."""
+    """Yield sentences with sums of preloads and reactions of bolts, and the ratio of bolt force to applied tension."""
     unit = unit_of(result.model.units.force)
     for joint in joints(result):
         size = max(abs(joint["preload"]), abs(joint["reaction"]))
@@ -168,13 +168,13 @@ def _lifted(result: Result) -> str:
 
 
 def _corners(result: Result) -> list[int]:
-    """Nodes at both ends of the plate's named edges, except closed edges."""
+    """Numbers of the corner nodes: the ends of the plate's named edges, except edges that are closed curves."""
     ends = [(int(triples[0, 0]), int(triples[-1, 2])) for triples in result.mesh.edges.values() if len(triples)]
     return sorted({node for first, last in ends if first != last for node in (first, last)})
 
 
 def _holds(result: Result, support: Support, values: SupportResult, points: Floats) -> Bools:
-    """Mask (k,) of the points (k, 2) that are on a support."""
+    """Mask (k,) of the points (k, 2) that lie on the support."""
     if support.place == "area":
         return support.where.covers(points)
     nodes = [result.mesh.points[result.mesh.edges[name][:, (0, 2)].ravel()] for name in support.where.edges]

@@ -1,7 +1,7 @@
 """Standard output and standard error with a tolerance for closed pipes and full disks.
 
-Results are in files; the output is a copy. A closed pipe, as in ``signorini solve f.toml | head``, or a full disk
-does not change the exit code. Only a command that prints an answer without a file ends with an error.
+Results are in files, and the output repeats them. So a closed pipe, as in ``signorini solve f.toml | head``, or a full
+disk does not change the exit code. Only a command that prints an answer without a file ends with an error.
 """
 
 from __future__ import annotations
@@ -19,17 +19,16 @@ from rich.text import Text
 from signorini.base.progress import Progress
 
 _FILE_WIDTH = 100_000
-"""Width in characters of an output that is not a terminal: each table row stays on one line, for programs that read it.
-"""
+"""Line width in characters if the output is not a terminal: each table row stays on one line, easy to parse."""
 
 
 def stdout() -> Console:
-    """Return the console of standard output, for text that files or the exit code also tell."""
+    """Return the console of standard output for text that files or the exit code repeat; write errors are ignored."""
     return _console(tolerant(sys.stdout))
 
 
 def answer() -> Console:
-    """Return the console of standard output for text that is in no file; text that is lost raises an OSError."""
+    """Return the console of standard output for text that is in no file; if writing fails, it raises an OSError."""
     return _console(sys.stdout)
 
 
@@ -46,7 +45,7 @@ def tolerant(stream: IO[str]) -> Any:
 def open_closed() -> None:
     """Open standard output and standard error if they are closed; writing to them then raises an OSError.
 
-    Otherwise a file of results could get their descriptors.
+    Otherwise a results file that is opened later could get the descriptor 1 or 2 of a closed stream.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
@@ -54,14 +53,14 @@ def open_closed() -> None:
 
 
 def flush() -> None:
-    """Flush both streams at the end of the process, without raising."""
+    """Flush standard output and standard error at the end of the process; errors are ignored."""
     for stream in (sys.stdout, sys.stderr):
         tolerant(stream).flush()
 
 
 def discard(stream: IO[str]) -> None:
-    """Discard the stream's buffer and all further output."""
-    # Under pytest the streams have no file descriptor.
+    """Discard the buffered text of ``stream`` and all its further output."""
+    # Errors are suppressed because streams that pytest captures have no file descriptor.
     with suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, stream.fileno())
@@ -111,17 +110,17 @@ def _console(stream: Any) -> Console:
 
 
 _SPINNER_WIDTH = 4
-"""Width of the spinner with its margins [characters]."""
+"""Width of the progress spinner with its margins [characters]."""
 _LOG_INTERVAL = 60.0
-"""Seconds between lines of progress in a log; a run of some hours then gives a few pages."""
+"""Seconds between progress lines in a log, so that the log of a run of some hours has a few pages."""
 
 
 @contextmanager
 def progress_line() -> Iterator[Callable[[object], None]]:
-    """Context with a function that shows a message of progress on standard error.
+    """Context with a function that prints progress messages on standard error.
 
-    On a terminal a message replaces the previous one; messages about refined meshes remain. Elsewhere at most one line
-    per minute is printed, with the seconds since the start.
+    On a terminal a message replaces the previous message; messages about refined meshes remain. If standard error is no
+    terminal, at most one line per minute is printed, with the seconds since the start.
     """
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)
     if not sys.stderr.isatty() or console.is_dumb_terminal:

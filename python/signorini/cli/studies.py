@@ -1,4 +1,4 @@
-"""Print a study while it runs, and its summary."""
+"""Print the progress and the summary of a study."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from signorini.studies.study import StudyProgress
 from signorini.studies.summary import Study
 
 _SHOWN = (0.05, 0.5, 0.95)
-"""Probabilities of the quantiles that are printed."""
+"""Probabilities of the printed quantiles of results."""
 _MOST_REASONS = 5
-"""Largest number of reasons for variants without numbers that are printed."""
+"""Largest number of printed reasons for which variants have no numbers."""
 
 
 @contextmanager
 def live_table(results: tuple[str, ...]) -> Iterator[Callable[[StudyProgress], None]]:
-    """Context with a function that shows progress: on a terminal a table of the results so far, else lines of a log."""
+    """Context with a function that prints progress: on a terminal a table of results so far, otherwise log lines."""
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)
     values: dict[str, list[float]] = {name: [] for name in results}
     if not console.is_terminal or console.is_dumb_terminal:

@@ -1,4 +1,4 @@
-"""Print results or a check on the terminal: tables of each combination, or a summary of several."""
+"""Print results, or the answer of `signorini check`: tables of each combination, or a summary of many combinations."""
 
 from __future__ import annotations
 
@@ -47,18 +47,18 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
-"""Half-widths as in results.json; None without half-widths."""
+"""Half-widths (±) in the structure of results.json; None if mesh errors are not estimated."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MAX_POINTS = 20
-"""Largest number of points whose reactions are all printed; with more points, the largest reactions are printed."""
+"""Largest number of support points for which all reactions are printed; of more points, only the largest reactions."""
 _MAX_OPEN = 8
-"""Largest number of open points that are named if not all points are listed; with more, their number is printed."""
+"""Largest number of open support points that are named; of more open points, only their number is printed."""
 _MAX_WARNINGS = 20
 """Largest number of warnings, and of shapes moved by snapping, that are printed."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
-    """Print the tables of each combination or, of several, a summary; then warnings and singularities."""
+    """Print tables of each combination or, from three combinations on, a summary; then warnings and singularities."""
     discretisation, labels = results.discretisation, Labels(results)
     _print_model(console, discretisation)
     if results.model.tabulated:
@@ -86,7 +86,7 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
 def print_verdicts(
     console: Console, results: Results, estimates: Estimates | None, labels: Labels | None = None
 ) -> None:
-    """Print the checks, the warnings and the singularities, and last the numbers of combinations with their names."""
+    """Print checks, sensitivities, warnings, singularities, and the names of combinations printed as C1, C2, ..."""
     labels = labels or Labels(results)
     print_checks(console, results, estimates, labels)
     print_sensitivities(console, results.sensitivities, labels)
@@ -110,7 +110,7 @@ def _print_refinement(console: Console, results: Results) -> None:
     shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")])
     for step in results.refinement:
         shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
-    say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
+    say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of each field")
     shown.show(console, apart=True)
 
 
@@ -221,7 +221,7 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
 
 
 def _print_largest(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the largest moments and shears of all combinations, the worst certificate, and the meshes behind ±."""
+    """Print extreme moments and shears of all combinations, largest certificate errors, and the meshes behind ±."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     if not solved:
         return
@@ -254,7 +254,7 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
 def _means(
     results: Sequence[Result], name: str, size: float, widths: Callable[[Result], Widths], labels: Labels | None = None
 ) -> MeanRow:
-    """Cells of the largest and smallest mean of the field ``name`` over several results; empty without means."""
+    """Table cells of the largest and smallest mean of the field ``name`` at singular places; empty without means."""
     cells: list[list[str]] = []
     for side, sign in zip(MEAN_SIDES, (1.0, -1.0), strict=True):
         with_mean = [result for result in results if not np.isnan(getattr(result.extremes[name], side))]
@@ -330,7 +330,7 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the reactions of point supports; of many points, only the largest reactions."""
+    """Print the reactions of supports at points; of more than 20 points, only the largest reactions."""
     supports, units, size = result.supports, result.model.units, result.mesh.size
     every = [(i, k) for i, values in enumerate(supports) if values.place == "at" for k in range(len(values.reactions))]
     if not every:
@@ -374,7 +374,7 @@ def _print_deflection(console: Console, result: Result, widths: Widths, prefix: 
 
 
 def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the extremes of moments and shears, the places that these exclude, and the means at those places."""
+    """Print extremes of moments and shears, the places excluded from them, and mean values at these places."""
     units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
@@ -391,7 +391,7 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
 
 
 def _print_probes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the fields at probes, a row per field and a column per probe."""
+    """Print a table of the fields at probes, with a row per field and a column per probe."""
     units = result.model.units
     touching = any(probe.pressure is not None for probe in result.probes)
     quantities = [each for each in AT_PROBES if each.name in LINEAR or (each.name == "pressure" and touching)]
@@ -408,7 +408,7 @@ def _print_probes(console: Console, result: Result, widths: Widths, largest: Map
 
 
 def _print_through(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print a row for each section with its forces, and for each strip with the extremes of its mean moment."""
+    """Print a row for each section with its section forces, and for each strip with the extremes of its mean moment."""
     units, size = result.model.units, result.mesh.size
     if result.sections:
         console.print()
@@ -438,7 +438,7 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
 
 
 def _print_warnings(console: Console, warnings: Mapping[str, Sequence[str]]) -> None:
-    """Print each warning with the names of its combinations, if it has names."""
+    """Print each warning with the names of the combinations that it concerns, if it does not concern all."""
     for sentence, names in list(warnings.items())[:_MAX_WARNINGS]:
         where = f" ({', '.join(names)})" if names else ""
         say(console, f"Warning{where}: {sentence}", style="yellow")
@@ -451,7 +451,8 @@ def _print_warnings(console: Console, warnings: Mapping[str, Sequence[str]]) -> 
 def _print_singular(console: Console, named: Iterable[Singularity], model: Model, rest: str = "") -> None:
     """Print a line about singular results and a line about results for which this mesh is too coarse.
 
-    For each kind of singularity the first position is printed, and the number of others; a load is named by its case.
+    For each kind of singularity the first position and the number of further positions are printed; a load is named by
+    its load case.
     ``rest`` is appended to each line.
     """
     cases, every = {load.case for load in model.load}, list(dict.fromkeys(named))

@@ -1,4 +1,4 @@
-"""Print the verdicts of validation."""
+"""Print the verdicts of validation cases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from signorini.validation.runner import Outcome
 
 
 def print_validation(console: Console, outcomes: Sequence[Outcome]) -> None:
-    """Print every number with its error, its tolerance and the verdict; then how many errors ± covers."""
+    """Print each validated number with error, tolerance and verdict; then for how many numbers ± covers the error."""
     shown = Grid([Column("case"), Column("number"), *numbers("error", "tolerance"), Column("verdict")])
     for outcome in outcomes:
         for one in outcome.comparisons:

@@ -1,4 +1,4 @@
-"""Print a verification: values that differ, and values that are not compared."""
+"""Print the result of `signorini verify`: values that differ, and values that are not compared."""
 
 from __future__ import annotations
 

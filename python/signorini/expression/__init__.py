@@ -1,4 +1,4 @@
-"""Values that may vary over the plate: formulas in x and y, parsed and never executed, and fields of values."""
+"""Input values that may vary over the plate: formulas in x and y, tables of values at points, Python functions."""
 
 from signorini.expression.expression import LARGEST, LEAST, Expression
 from signorini.expression.field import Field, PointValues

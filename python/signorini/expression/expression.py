@@ -1,4 +1,4 @@
-"""Class `Expression`: a formula in x and y, parsed and never executed."""
+"""Class `Expression`: a formula in x and y. Its text is parsed as arithmetic and never executed as Python code."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from signorini.expression.levels import Level, levels
 from signorini.expression.tree import check, evaluate, first_point, parse, short
 
 LARGEST = 1e60
-"""Largest magnitude of an input number in its unit; then a product of five numbers is below 1e308."""
+"""Largest allowed magnitude of an input number: a product of five such numbers is below 1e308 and does not overflow."""
 LEAST = 1e-60
-"""Smallest positive input number in its unit; then a product of five numbers is above 1e-308."""
+"""Smallest allowed positive input number: a product of five such numbers is above 1e-308 and does not underflow."""
 
 _Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Expression:
     The text may use ``+ - * / **``, parentheses, comparisons (1 where true, 0 where false), ``and``, ``or``,
     ``not``, the constants ``pi`` and ``e``, and the functions ``sqrt exp log log10 sin cos tan asin acos atan
     atan2 sinh cosh tanh abs sign floor ceil hypot min max where``. ``where(condition, a, b)`` evaluates ``a``
-    and ``b`` only at the points where each is chosen.
+    only at points where the condition is true, and ``b`` only where it is false.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Expression:
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
-        """Functions of x and y at whose zeros the expression jumps or has a kink; see `signorini.expression.levels`."""
+        """Functions of x and y that are zero where the expression jumps or has a kink; see module ``levels``."""
         return levels(self._tree)
 
     def __call__(

@@ -1,4 +1,4 @@
-"""Values at points, linear between the points; values of a Python function; values per point of a support."""
+"""Varying input values: values at points, interpolated linearly; a Python function; values per support point."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
-"""Tolerance for positions on the hull and for collinear points, relative to the extent of the points."""
+"""Tolerance, relative to the extent of the points, for positions on their convex hull and for collinear points."""
 
 _Array = NDArray[np.float64]
 Outside = Literal["nearest", 0]
-"""Value outside the convex hull of the points: "nearest", that at the nearest point of the hull, or zero."""
+"""Value outside the convex hull of the points: "nearest", the value at the nearest point of the hull, or zero."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A nonnegative value that varies over the plate; 0: no support there.
+    """A nonnegative value, such as a stiffness, that varies over the plate; 0 means no support.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Field:
     levels: ClassVar[tuple[Level, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Check the points, if the field is given by points."""
+        """Check the points (x, y, value) of the field, if it is given by points."""
         if callable(self.given):
             return
         points, values = self._table[:, :2], self._table[:, 2]
@@ -83,7 +83,7 @@ class Field:
 
     @property
     def source(self) -> Any:
-        """The value of the input file: a table with the file or the points, the list of points, or the function."""
+        """The field as in the input: a table with the file or the points, the list of points, or the function."""
         outside = {} if self.outside is None else {"outside": self.outside}
         if not self.file and not outside:
             return self.given
@@ -97,7 +97,7 @@ class Field:
     def depth(self, positions: _Array) -> _Array:
         """Signed distance (q,) of positions (q, 2) from the convex hull, relative to the extent of the points.
 
-        The distance is positive inside the hull, and within rounding of it; for a function it is ∞.
+        It is positive inside the hull and within rounding of its outline. If a function gives the field, it is ∞.
         """
         if callable(self.given):
             return np.full(len(positions), np.inf)
@@ -112,7 +112,7 @@ class Field:
         above: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Evaluate the field at points x and y, as `Expression` does."""
+        """Evaluate the field at points x and y; arguments and errors are those of `Expression.__call__`."""
         px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         values = self._values(np.column_stack([px.ravel(), py.ravel()]), place).reshape(px.shape)
         wrong = ~(np.abs(values) <= LARGEST) | (values < 0.0) | (values <= (-np.inf if above is None else above))
@@ -123,7 +123,7 @@ class Field:
         return values
 
     def __str__(self) -> str:
-        """Return the name of the CSV file or of the function."""
+        """Return the name of the CSV file or of the function that gives the field, for messages."""
         return self.file or getattr(self.given, "__name__", "The table")
 
     def _values(self, positions: _Array, place: str | Place) -> _Array:
@@ -148,7 +148,7 @@ class Field:
         return values
 
     def _nearest(self, scaled: _Array) -> _Array:
-        """Values (q,) at the points of the hull that are nearest to scaled positions (q, 2)."""
+        """Values (q,) at the nearest points of the convex hull for positions (q, 2) in scaled coordinates."""
         corners = self._hull.vertices
         places, heights = self._scaled(self._table[corners, :2]), self._table[corners, 2]
         best, values = np.full(len(scaled), np.inf), np.zeros(len(scaled))
@@ -176,7 +176,7 @@ class Field:
         return ConvexHull(self._scaled(self._table[:, :2]))
 
     def _scaled(self, positions: _Array) -> _Array:
-        """Convert positions (q, 2) to coordinates from the center of the points, in units of the points' extent."""
+        """Convert positions (q, 2) to coordinates relative to the points' center, divided by the points' extent."""
         low, high = self.box
         return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))
 
@@ -210,7 +210,7 @@ class PointValues:
 
     @property
     def value(self) -> float:
-        """The first value of the list; if the list is constant, the value at all points."""
+        """The first value of the list, which is the value at all points if the list is constant."""
         return self.values[0]
 
     @property
@@ -227,7 +227,7 @@ class PointValues:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Return at each position x, y the value of the nearest point; bounds are checked when the input is read."""
+        """Return at each position x, y the value of the nearest support point; the bounds are ignored here."""
         from scipy.spatial import cKDTree
 
         at = np.stack(np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64)), axis=-1)

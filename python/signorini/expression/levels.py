@@ -1,8 +1,9 @@
 """Discontinuities and kinks of an expression, as zeros of level functions taken from its syntax tree.
 
 A comparison jumps where its two sides are equal, ``floor`` and ``ceil`` where their argument is an integer, ``sign``
-where it is zero; ``abs``, ``min`` and ``max`` have a kink there. Lines in a branch that is not chosen are harmless.
-Straight lines and circles among the zeros are found from polynomials of degree at most two.
+where its argument is zero. ``abs`` has a kink where its argument is zero, ``min`` and ``max`` where two arguments are
+equal. Lines from a branch of ``where`` that is not chosen are harmless. Straight lines and circles among the zeros are
+found from polynomials of degree at most two.
 """
 
 from __future__ import annotations
@@ -20,14 +21,13 @@ from numpy.typing import NDArray
 from signorini.expression.tree import evaluate, operands
 
 _ZERO = 1e-14
-"""Coefficients below this fraction of the largest one of their degree count as zero."""
+"""Coefficients of a polynomial below this fraction of the largest coefficient of the same degree count as zero."""
 
 _NAMED = {"pi": math.pi, "e": math.e}
 
 
 _MAX_LINES = 200
-"""Number of integers in the range of the argument of a ``floor`` or ``ceil`` from which on its steps give no lines,
-because a mesh could not follow them."""
+"""Steps of ``floor`` or ``ceil`` give no mesh lines if the argument takes this many integer values on the plate."""
 Box = tuple[float, float, float, float]
 
 
@@ -41,7 +41,7 @@ def _constant(value: float) -> Polynomial:
 
 
 def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
-    """Product of two polynomials; None if its degree exceeds two."""
+    """Product of two polynomials of degree at most two; None if the degree of the product exceeds two."""
     full = np.zeros((5, 5))
     for i, j in np.argwhere(a):
         full[i : i + 3, j : j + 3] += a[i, j] * b
@@ -50,7 +50,7 @@ def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
 
 
 def _cleaned(a: Polynomial) -> Polynomial:
-    """Set coefficients to zero that are within rounding of zero, relative to others of their degree."""
+    """Set coefficients to zero that are rounding errors relative to the largest coefficient of their degree."""
     largest = [np.abs(a[degree == _DEGREE]).max() for degree in range(5)]
     return np.where(np.abs(a) > _ZERO * np.array(largest)[_DEGREE], a, 0.0)
 
@@ -60,7 +60,7 @@ def _is_constant(a: Polynomial) -> bool:
 
 
 def _zeros(a: Polynomial) -> Drawing:
-    """Lines x = c, lines y = c and circles on which a polynomial is zero; none for other curves."""
+    """Lines x = c, lines y = c and circles on which a polynomial is zero; empty if its zeros are other curves."""
     (constant, y, yy), (x, xy, _), (xx, _, _) = _cleaned(a).tolist()
     if not (xy or yy or y):
         return Drawing(x_lines=_roots(xx, x, constant))
@@ -82,7 +82,7 @@ def _roots(square: float, linear: float, constant: float) -> tuple[float, ...]:
 
 
 def polynomial(node: ast.expr) -> Polynomial | None:
-    """Convert a checked syntax tree to a polynomial; None if its degree exceeds two or it is no polynomial."""
+    """Convert a checked syntax tree to a polynomial in x and y; None if it is no polynomial of degree at most two."""
     match node:
         case ast.Constant():
             return _constant(float(node.value))  # type: ignore[arg-type]
@@ -131,7 +131,7 @@ class Drawing:
     circles: tuple[tuple[float, float, float], ...] = ()
 
     def radii(self, center: tuple[float, float]) -> tuple[float, ...]:
-        """Radii of those circles that have this center."""
+        """Radii of the circles of this drawing that have the given center."""
         return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def __add__(self, other: Drawing) -> Drawing:
@@ -141,16 +141,16 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Level:
-    """A function of x and y at whose zeros an expression jumps, or only has a kink."""
+    """A level function of x and y: where it is zero, an expression jumps or, if ``jumps`` is False, has a kink."""
 
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials whose zeros are those of the function, if known; for ``floor`` and ``ceil`` the argument."""
+    """Polynomials with the zeros of the level function, if known; for ``floor`` and ``ceil`` instead their argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values (q,) of the function at points (q, 2); NaN where it is undefined."""
+        """Values (q,) of the level function at points (q, 2); NaN where the function is undefined."""
         x, y = np.ascontiguousarray(points.T)
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_to(evaluate(self._tree, x, y, strict=False), x.shape), dtype=np.float64)
@@ -168,7 +168,7 @@ class Level:
 
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
-    """Yield polynomials that are zero where the linear function ``inner`` is an integer in the box."""
+    """Yield, for each integer that the linear function ``inner`` takes in the box, ``inner`` minus this integer."""
     ends = [float(np.polynomial.polynomial.polyval2d(x, y, inner)) for x in box[::2] for y in box[1::2]]
     if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MAX_LINES:
         for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):
@@ -176,7 +176,7 @@ def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
 
 
 def levels(tree: ast.expr) -> tuple[Level, ...]:
-    """The different level functions of a checked syntax tree, first those at which the expression jumps."""
+    """The distinct level functions of a checked syntax tree; jumps of the expression come before kinks."""
     found: dict[str, Level] = {}
     with np.errstate(all="ignore"):
         for level in _levels(tree):
@@ -194,7 +194,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # For the argument u, asin(sin(πu)) is linear near its zeros, so that straight steps are cut exactly.
+            # For the argument u, asin(sin(πu)) is linear near its zeros: elements are cut exactly at straight steps.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )
@@ -221,7 +221,7 @@ def _difference(left: ast.expr, right: ast.expr) -> ast.expr:
 
 
 def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
-    """Polynomials whose zeros include the points where two syntax trees are equal; empty if unknown."""
+    """Polynomials whose zeros include all points where two syntax trees have equal values; empty if unknown."""
     for side, other in ((left, right), (right, left)):
         match side:
             case ast.Call(func=ast.Name(id="min" | "max"), args=values):

@@ -18,7 +18,7 @@ from signorini.errors import InputError, point, unknown
 _MAX_LENGTH = 2000
 """Largest number of characters of an expression."""
 _MAX_DEPTH = 80
-"""Largest depth of a syntax tree: below the recursion limit of Python."""
+"""Largest depth of a syntax tree; recursion over the tree then stays below the recursion limit of Python."""
 _CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_+-*/().,<>=! ")
 
 _Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.Or: np.logical_or,
 }
 
-# for each name the function of arrays, and its smallest and largest number of arguments
+# For each function name of an expression: the NumPy function, its smallest and its largest number of arguments.
 _FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
     **{name: (getattr(np, name), 1, 1) for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan")},
     **{name: (getattr(np, name), 1, 1) for name in ("sinh", "cosh", "tanh", "abs", "sign", "floor", "ceil")},
@@ -59,7 +59,7 @@ _NAMES = [*_FUNCTIONS, *_CONSTANTS, "x", "y"]
 
 
 def parse(source: str) -> ast.expr:
-    """Parse a text into a syntax tree, which `check` then restricts to arithmetic."""
+    """Parse the text of an expression into a syntax tree; `check` must then refuse a tree that is not arithmetic."""
     text = " ".join(source.split())
     if not text:
         raise InputError("The expression is empty.")
@@ -82,7 +82,7 @@ def parse(source: str) -> ast.expr:
 
 
 def check(node: ast.expr, depth: int) -> bool:
-    """Refuse a node that is not arithmetic, and evaluate constant nodes; return whether the node is constant."""
+    """Refuse a node that is not arithmetic; return whether the node is constant. Constant nodes are evaluated."""
     if depth > _MAX_DEPTH:
         raise InputError("The expression is nested too deeply; write it more simply.")
     match node:
@@ -122,7 +122,7 @@ def check(node: ast.expr, depth: int) -> bool:
 
 
 def operands(node: ast.expr) -> list[ast.expr]:
-    """The operands or arguments of a node."""
+    """Return the operands of an operator node, or the arguments of a call node."""
     match node:
         case ast.Call():
             return node.args
@@ -139,7 +139,7 @@ def operands(node: ast.expr) -> list[ast.expr]:
 
 
 def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
-    """Value of a checked node at points x and y: an array, or a scalar if the node is constant.
+    """Value of a checked syntax tree node at points x and y: an array, or a scalar if the node is constant.
 
     If ``strict`` is True, NaN and infinite values raise an InputError.
     """
@@ -175,7 +175,7 @@ def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
 
 
 def _evaluate_where(mask: NDArray[np.bool_], node: ast.expr, x: _Array, y: _Array, strict: bool) -> _Array:
-    """Evaluate a node only at the points that the mask marks; the result is zero at the other points."""
+    """Evaluate a syntax tree node only at the points that the mask marks; the result is zero at other points."""
     values = np.zeros(x.shape)
     if mask.any():
         values[mask] = evaluate(node, x[mask], y[mask], strict)
@@ -197,5 +197,5 @@ def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
 
 
 def short(text: str) -> str:
-    """Cut a text for a message after 57 characters, if it has more than 60."""
+    """Shorten a text of more than 60 characters to its first 57 characters and "...", for a message."""
     return text if len(text) <= 60 else text[:57] + "..."

@@ -23,11 +23,9 @@ from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
-"""Largest size of an input file in bytes; larger data belong in CSV files."""
+"""Largest allowed size of an input file in bytes; large tables of data belong in CSV files."""
 _MAX_KEY_PARTS = 16
-"""Largest number of parts of a dotted key; the model needs 4. The memory of tomllib grows with the square of this
-number.
-"""
+"""Largest allowed number of parts of a dotted key (memory of tomllib grows with its square); the model needs 4."""
 
 
 @checked
@@ -113,9 +111,9 @@ def parsed(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
-    """Add file and line to the places of an error that was raised after the file was read.
+    """Return an error in which the places of problems have the input file's name and line number.
 
-    A place that is not in the model remains unchanged.
+    The error was raised after the input file was read. Problems whose place is not in the model remain unchanged.
     """
     if not any(part.path for part in error.parts):
         return error
@@ -136,7 +134,7 @@ def _content(path: str | os.PathLike[str]) -> bytes:
             case FileNotFoundError():
                 why = "the file does not exist."
             case IsADirectoryError():
-                why = "this is a directory; give the input file in it."
+                why = "this is a directory; give the path of an input file."
             case PermissionError():
                 why = "permission to read the file is denied."
             case _:
@@ -156,7 +154,7 @@ def _decoded(content: bytes, path: str | os.PathLike[str]) -> str:
 
 
 def _parse(text: str, source: str) -> dict[str, Any]:
-    # The memory of tomllib grows with the square of the number of parts of a dotted key.
+    # Refuse long dotted keys: the memory of tomllib grows with the square of the number of parts of a key.
     keys = without_strings(text)
     for segment in re.split(r"[=,\[\]{}\n]", keys):
         if segment.count(".") >= _MAX_KEY_PARTS and sum(map(bool, segment.split("."))) > _MAX_KEY_PARTS:
@@ -180,14 +178,14 @@ def _parse(text: str, source: str) -> dict[str, Any]:
 
 
 def _syntax(message: str, text: str) -> tuple[str, int, str]:
-    """Split a message of tomllib into the problem, the line number, and the column as text."""
+    """Split an error message of tomllib into the problem, the line number, and a text with the column."""
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:
         return message, 1, ""
     problem = match.group(1)[:1].lower() + match.group(1)[1:]
     last = text.rstrip().count("\n") + 1 if match.group(2) is None else int(match.group(2))
     if problem == "unclosed array":
-        # tomllib reports the line after the list; the list begins at the last line with an open bracket.
+        # tomllib reports a line after the list; report the last line with an open bracket, where the list begins.
         opened = [i for i, line in enumerate(text.split("\n")[:last], start=1) if re.search(r"=\s*\[[^\]]*$", line)]
         return "this list has no closing ]", opened[-1] if opened else last, ""
     if match.group(2) is None:
@@ -218,12 +216,12 @@ def schema() -> dict[str, Any]:
 
 class _SchemaGenerator(GenerateJsonSchema):
     def encode_default(self, dft: Any) -> Any:
-        """Encode a default value that is an expression as the number or text of the expression."""
+        """Convert an `Expression` that is a default value to its number or text, for JSON."""
         return dft.source if isinstance(dft, Expression) else super().encode_default(dft)
 
 
 def _for_toml(node: Any, *, is_name_table: bool = False) -> Any:
-    """Adapt a JSON Schema to TOML: without null, which TOML lacks, and without titles.
+    """Adapt a JSON Schema to TOML: remove null, which TOML lacks, and titles.
 
     Descriptions are shortened to their first paragraph.
     """

@@ -18,7 +18,7 @@ Blocks = Mapping[str, npt.NDArray[Any]]
 
 
 class Sink(Protocol):
-    """Function that appends blocks of rows to a file; all blocks have the same columns."""
+    """Type of a function that appends blocks of rows to a Parquet file; all blocks have the same columns."""
 
     def __call__(self, columns: Iterable[tuple[str, Column]]) -> None:
         """Append a block of rows, given as pairs of column name and values, as a row group."""
@@ -27,9 +27,10 @@ class Sink(Protocol):
 def widen(
     path: str | os.PathLike[str], others: Sequence[str | os.PathLike[str]], derive: Callable[[Sequence[Blocks]], Blocks]
 ) -> None:
-    """Add columns to a Parquet file, computed from its columns and those of other files with the same rows.
+    """Add columns to a Parquet file, computed from its columns and the columns of other files with the same rows.
 
-    For each block of rows ``derive`` gets the numbers of this file and of each other file, and returns the new columns.
+    For each block of rows ``derive`` gets the numeric columns of this file and of each other file; it returns the new
+    columns.
     """
     file = pq.ParquetFile(path)
     metadata = {name.decode(): text.decode() for name, text in (file.schema_arrow.metadata or {}).items()}
@@ -59,7 +60,7 @@ class _Rows:
 
 
 def _numbers(block: Any) -> Blocks:
-    """Numeric columns of a block of rows by name; absent values are NaN."""
+    """Floating-point columns of a block of rows by name; absent values are NaN."""
     columns = zip(block.schema.names, block.schema.types, strict=True)
     return {name: block.column(name).to_numpy() for name, kind in columns if pa.types.is_floating(kind)}
 
@@ -68,8 +69,8 @@ def _numbers(block: Any) -> Blocks:
 def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterator[Sink]:
     """Context with a function that appends blocks of rows to a Parquet file.
 
-    At the end of the context the file appears, complete or not at all. A block is pairs of column name and array or
-    list of texts; NaN is an absent value. The metadata are stored in the schema of the file.
+    The file appears at the end of the context, and only if it is complete. A block of rows is given as pairs of column
+    name and array or list of texts; NaN is an absent value. The metadata are stored in the schema of the file.
     """
     with replacing(path) as temporary:
         writer: pq.ParquetWriter | None = None
@@ -103,13 +104,13 @@ def write_rows(
     types: Mapping[str, type],
     metadata: Mapping[str, str],
 ) -> None:
-    """Write rows with columns of the given Python types to a Parquet file, whole or not at all."""
+    """Write rows to a Parquet file atomically; ``types`` are the Python types of the columns by name."""
     schema = pa.schema([(name, _ARROW[kind]) for name, kind in types.items()], metadata=dict(metadata))
     with replacing(path) as temporary:
         pq.write_table(pa.Table.from_pylist(list(rows), schema), temporary)
 
 
 def read_rows(path: str | os.PathLike[str]) -> tuple[list[dict[str, Any]], Mapping[str, str]]:
-    """Read the rows and the metadata of a Parquet file."""
+    """Return the rows and the metadata of a Parquet file."""
     table = pq.read_table(path)
     return table.to_pylist(), {name.decode(): text.decode() for name, text in (table.schema.metadata or {}).items()}

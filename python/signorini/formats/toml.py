@@ -21,14 +21,14 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 def without_strings(text: str) -> str:
-    """Replace strings by "" and remove comments; line breaks remain. An unclosed string extends to the end."""
+    """Replace strings in a TOML text by "" and remove comments, but keep line breaks, so that line numbers remain."""
     return _TOKENS.sub(lambda token: "" if token["comment"] else '""' + "\n" * token.group().count("\n"), text)
 
 
 class Lines:
     """Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
 
-    For a path that is not in the text, the line is that of the innermost table in the text that contains the path.
+    A path that is not in the text gets the line of the innermost table in the text that contains the path.
     """
 
     def __init__(self, text: str) -> None:
@@ -37,11 +37,11 @@ class Lines:
         self._position = 0
         self._lines: dict[Path, int] = {(): 1}
         self._counts: dict[Path, int] = {}
-        with contextlib.suppress(RecursionError):  # too deeply nested keys get the line of their table
+        with contextlib.suppress(RecursionError):  # Keys that are nested too deeply get the line of their table.
             self._read_document()
 
     def of(self, path: Path) -> int:
-        """Line number of a path or, if the text lacks it, of the longest part of the path that the text has."""
+        """Line number of a path or, if the path is not in the text, of the longest leading part that is in the text."""
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]
@@ -59,7 +59,7 @@ class Lines:
                 self._key_and_value(table)
 
     def _header(self, key: Path, double: bool, line: int) -> Path:
-        """Path of the table that a header begins; a header in double brackets appends a table to a list."""
+        """Return the path of the table below a header; a header in double brackets appends a table to a list."""
         path: Path = ()
         for index, part in enumerate(key):
             path = (*path, part)
@@ -82,7 +82,7 @@ class Lines:
         self._value(path)
 
     def _key(self) -> Path:
-        """Read a key and the blanks around it; return its parts, of which a dotted key has several."""
+        """Read a key and the blanks around it; return the parts of the key, which a dotted key has several of."""
         parts: list[str | int] = []
         while True:
             self._skip_blank()
@@ -139,8 +139,7 @@ class Lines:
 _NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
 _ENDS = r"\s*(?:[,}\]#].*)?$"
 
-# Frequent errors: a pattern of the line at which the parser stopped, and the hint. The first pattern that matches
-# counts.
+# Frequent errors: a pattern of the line at which the parser stopped, and the hint of the first pattern that matches.
 _SLIPS: tuple[tuple[str, str], ...] = (
     (r"^(?://|;|%|--)", "A comment begins with #."),
     (r"[“”„‘’«»]", "Quotes are straight: \" or '."),
@@ -172,7 +171,7 @@ _SLIPS: tuple[tuple[str, str], ...] = (
     (r"^\[\[[^\]]*\](?!\])", "Close a header in double brackets with ]]."),
     (r"^\[[^\]]*$", "Close a header in brackets with ]."),
     (r"""=\s*(["'])(?:(?!\1).)*$""", "The closing quote {1} is missing."),
-    (r"^\{", "This looks like JSON; docs/input.md shows the same in TOML."),
+    (r"^\{", "This looks like JSON; the input must be TOML, see docs/input.md."),
     (r"^[^=\[]+$", "A line must be [a header], key = value, or # a comment."),
     (r"^[^\x00-\x7f]", "Write keys in letters a to z, such as nu."),
 )
@@ -197,7 +196,7 @@ def hint(problem: str, line: str, lists: Collection[str]) -> str:
             return f"Write this table in double brackets, once for each: [[{header[1]}]]."
         return "This table occurs twice; put all its keys under one header."
     if "overwrite" in problem:
-        return "This key occurs twice in its table; remove one."
+        return "This key occurs twice in its table; remove one of the two lines."
     for pattern, advice in _SLIPS:
         if match := re.search(pattern, line):
             first = match.group(1) if match.re.groups else ""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
 _TRIANGLE_NODES = [0, 1, 2, 4, 5, 7]
-"""Indices of the six different nodes in a triangle [a, b, c, c, ab, bc, c, ca]."""
+"""Indices of the six distinct nodes of a triangle, which is stored as 8 nodes [a, b, c, c, ab, bc, c, ca]."""
 
 
 def as_meshio(
@@ -31,7 +31,7 @@ def as_meshio(
     ca]. Scalars keep their signs (deflection is positive down). To draw the deformed plate, add the vectors of
     `displacement_vector`.
     """
-    # Imported here, because meshio is rarely needed and slow to import.
+    # Import meshio only here, because it is rarely needed and slow to import.
     import meshio
 
     triangles = elements[:, 2] == elements[:, 3]
@@ -51,7 +51,7 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping
 
     # A comment in XML must not contain "--".
     comment = "; ".join(f"{name}: {text}" for name, text in (metadata or {}).items()).replace("--", "- -")
-    # meshio writes names of fields as they are.
+    # meshio writes names of fields without escapes, so escape characters that XML reserves.
     fields = {escape(name, {'"': "&quot;"}): values for name, values in mesh.point_data.items()}
     with replacing(path) as temporary:
         meshio.vtu.write(temporary, meshio.Mesh(mesh.points, mesh.cells, fields, mesh.cell_data))
@@ -61,7 +61,7 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping
 
 
 def write_pvtu(path: str | os.PathLike[str], pieces: Sequence[str], *fields: Mapping[str, NDArray[np.float64]]) -> None:
-    """Write the file that lists ``pieces``, .vtu files beside it with fields at nodes and in elements, atomically."""
+    """Write a .pvtu file atomically: it lists ``pieces``, .vtu files beside it, and their fields."""
 
     def arrays(data: Mapping[str, NDArray[np.float64]]) -> str:
         columns = ((name, 1 if values.ndim == 1 else values.shape[1]) for name, values in data.items())

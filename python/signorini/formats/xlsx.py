@@ -12,18 +12,18 @@ from signorini.errors import InputError
 
 Cell = str | float | None
 _MOST_ROWS = 1_048_575
-"""Largest number of rows of a sheet below its header."""
+"""Largest number of rows of a sheet of an .xlsx file, without the header row."""
 _WIDTHS = (8, 40)
 """Smallest and largest width of a column in characters."""
 _MEASURED = 100
-"""Number of rows whose texts determine the widths of columns."""
+"""Number of first rows of a sheet whose texts determine the widths of its columns."""
 _MADE = datetime.datetime(2000, 1, 1)
-"""Date in the file, constant so that identical results give identical files."""
+"""Creation date in the workbook's properties, constant so that identical results give identical files."""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table: the titles of its columns, and its rows."""
+    """A table for one sheet of a workbook: the titles of its columns, and its rows."""
 
     name: str
     columns: Sequence[str]
@@ -31,7 +31,7 @@ class Sheet:
 
 
 def write_xlsx(path: str | os.PathLike[str], sheets: Iterable[Sheet], metadata: Mapping[str, str]) -> None:
-    """Write a workbook, row by row; every sheet has a fixed header with a filter. XlsxWriter must be installed."""
+    """Write a workbook row by row; the header of every sheet stays visible and has a filter. It needs XlsxWriter."""
     with package("xlsxwriter").Workbook(os.fspath(path), {"constant_memory": True}) as book:
         said = "; ".join(f"{name}: {text}" for name, text in metadata.items())
         book.set_properties({"comments": said, "created": _MADE})

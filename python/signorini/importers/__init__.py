@@ -1,1 +1,1 @@
-"""Conversion of DXF drawings to input files; only the command `import-dxf` uses it."""
+"""Conversion of DXF drawings to input files, for the command `signorini import-dxf`."""

@@ -20,27 +20,25 @@ from signorini.shapes.distances import Targets
 from signorini.shapes.regions import inside, overlap
 
 GAP = 1e-3
-"""Largest distance [m] of points that coincide: below any built dimension, above the inaccuracy of drawn ends."""
+"""Points up to this distance [m] apart coincide: less than any built dimension, more than gaps of careless drawing."""
 _WALL = 3.0
 """Smallest ratio of length to width of a rectangle that counts as a wall."""
 _MAX_PLACES = 3
 """Largest number of points that a message lists."""
 _FINE = math.radians(4)
-"""Largest angle [rad] of a part of an arc that is replaced by a chord."""
+"""Largest angle [rad] of the parts of an arc that are replaced by chords."""
 _FINER = math.radians(0.2)
-"""The same for the test whether a point is inside: chords then deviate by at most 2e-6 of the radius."""
+"""Largest angle [rad] of chords in the test whether a point is inside; they deviate by at most 2e-6 of the radius."""
 _ON_PLATE = 1e-6
-"""Distance [m] from the plate within which a point counts as on it: the last digit of the input file."""
+"""Points up to this distance [m] from the plate count as on the plate: one unit of the last digit of the input file."""
 _PASSES = 8
-"""Largest number of moves of a footprint onto the plate; at a corner each of the two edges needs a move."""
+"""Largest number of moves by which a footprint is brought onto the plate; at a corner each edge needs a move."""
 
 
 Spot = tuple[float, float]
 """A point (x, y) [m]."""
 Footprint = tuple[float, ...]
-"""Size of a footprint [m]: (a, b) of a rectangle, (a, b, degrees) of a rotated rectangle, (r,) of a circle, () of a
-point.
-"""
+"""Size of a support's footprint [m]: rectangle (a, b), rotated rectangle (a, b, degrees), circle (r,) or point ()."""
 _UNIT_CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
@@ -55,7 +53,7 @@ class Corner(NamedTuple):
     bulge: float = 0.0
 
     def is_at(self, other: Corner) -> bool:
-        """Whether two corners are at the same point, within `GAP`."""
+        """Whether this corner and another corner coincide within `GAP`."""
         return max(abs(self.x - other.x), abs(self.y - other.y)) < GAP
 
 
@@ -63,7 +61,7 @@ class Corner(NamedTuple):
 class Loop:
     """A closed line with sides from corner to corner, or a circle.
 
-    A circle has its center as the only corner, and a ``radius`` [m].
+    A circle has its center as its only corner, and a ``radius`` [m].
     """
 
     corners: tuple[Corner, ...]
@@ -75,7 +73,7 @@ class Loop:
 
     @property
     def area(self) -> float:
-        """Enclosed area [m²], positive for either orientation of the line."""
+        """Enclosed area [m²], positive for both orientations of the line."""
         total = math.pi * self.radius**2
         origin = self.corners[0]
         for a, b in self:
@@ -94,7 +92,7 @@ class Loop:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Center (x, y) [m] of the bounding box."""
+        """Center (x, y) [m] of the line's bounding box."""
         left, bottom, right, top = self.box
         return (left + right) / 2, (bottom + top) / 2
 
@@ -122,15 +120,15 @@ class Loop:
 
     @property
     def footprint(self) -> Footprint | None:
-        """Size of a circle or rectangle, rounded to millimetres; None for other lines."""
+        """Footprint size [m] of a circle or rectangle, rounded to millimetres; None for other closed lines."""
         size = (self.radius,) if self.radius else self.sides or self.turned_sides
         return None if size is None else tuple(round(part, 3) for part in size)
 
     @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners [m] of the center line of a wall; None unless the line is the outline of a wall.
+        """Corners [m] of the center line of the wall whose outline is this closed line; None if it is not a wall.
 
-        A wall has constant thickness, and its length is at least 3 times the thickness.
+        A wall has constant thickness, and is at least 3 times as long as thick.
         """
         if self.radius or any(corner.bulge for corner in self.corners):
             return None
@@ -155,11 +153,11 @@ class Loop:
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:
-        """Corners [m] of the line, and points of its arcs at most 4° apart."""
+        """Corners [m] of the closed line, and points at most 4° apart on its arcs."""
         return self.chords(_FINE)
 
     def chords(self, turn: float) -> list[tuple[float, float]]:
-        """At least three points [m]: corners, and points of arcs at most ``turn`` [rad] apart."""
+        """Corners [m] of the closed line, and points of its arcs at most ``turn`` [rad] apart; at least three."""
         if self.radius:
             right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
             return Loop((right, left)).chords(turn)
@@ -169,7 +167,7 @@ class Loop:
 
     @cached_property
     def is_simple(self) -> bool:
-        """Whether the line neither crosses nor touches itself."""
+        """Whether the closed line neither crosses nor touches itself."""
         try:
             return bool(self.radius) or Polygon(tuple(self.points)).area > 0
         except InputError:
@@ -177,7 +175,7 @@ class Loop:
 
     @property
     def is_thin(self) -> bool:
-        """Whether all points of the line are on a straight line."""
+        """Whether all points of the closed line are on one straight line."""
         x, y = max(self.points, key=lambda point: math.dist(point, self.points[0]))
         far = max(self.points, key=lambda point: math.dist(point, (x, y)))
         length = math.dist(far, (x, y))
@@ -191,7 +189,7 @@ class Loop:
 
     @cached_property
     def sides_drawn(self) -> Targets:
-        """Straight sides and arcs of the line, for the computation of distances."""
+        """Straight sides and arcs of the closed line, in a form for computing distances from points."""
         if self.radius:
             return Targets.of(arcs=[(*self.corners[0][:2], self.radius, 0.0, math.tau)])
         return Targets.on((a[:2], through(a, b) if a.bulge else None, b[:2]) for a, b in self)
@@ -220,7 +218,7 @@ def place(xy: tuple[float, float]) -> str:
 
 
 def about(places: Sequence[tuple[float, float]]) -> str:
-    """Write the first three points of a list for a message: ", at [x, y], ..."."""
+    """Return the part ", at [x, y], ..." of a message, with the first three points of a list."""
     more = ", …" if len(places) > _MAX_PLACES else ""
     return f", at {', '.join(map(place, places[:_MAX_PLACES]))}{more}"
 
@@ -232,7 +230,7 @@ def off_line(at: Corner, a: Corner, b: Corner) -> float:
 
 
 def between(first: Sequence[Corner], second: Sequence[Corner]) -> tuple[tuple[float, float], ...] | None:
-    """Corners [m] of the line midway between two polylines; None if their distance is not constant."""
+    """Corners [m] of the polyline midway between two polylines; None if the two are not at constant distance."""
     distances = []
     for (a, b), (c, d) in zip(itertools.pairwise(first), itertools.pairwise(second), strict=True):
         along = (b.x - a.x) * (d.x - c.x) + (b.y - a.y) * (d.y - c.y)
@@ -252,7 +250,7 @@ def _triples(corners: Sequence[Corner]) -> Iterator[tuple[Corner, Corner, Corner
 
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:
-    """Points [m] of an open line; arcs are replaced by chords of at most ``turn`` [rad]."""
+    """Points [m] of an open line in which arcs are replaced by chords, each for at most ``turn`` [rad] of the arc."""
     points = [(line[0].x, line[0].y)]
     for a, b in itertools.pairwise(line):
         chords = math.ceil(abs(4 * math.atan(a.bulge)) / turn) if a.bulge else 1
@@ -271,12 +269,12 @@ def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
 
 
 def through(a: Corner, b: Corner) -> tuple[float, float]:
-    """Middle (x, y) [m] of the arc from a to b."""
+    """Point (x, y) [m] in the middle of the arc from corner a to corner b."""
     return (a.x + b.x + a.bulge * (b.y - a.y)) / 2, (a.y + b.y - a.bulge * (b.x - a.x)) / 2
 
 
 def footprint_at(at: tuple[float, float], size: Footprint) -> Loop:
-    """Outline of a footprint of this size with its center ``at`` a point [m]."""
+    """Outline of a footprint of the given size, with its center at the point ``at`` [m]."""
     if len(size) == 1:
         return Loop((Corner(*at),), size[0])
     along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
@@ -292,7 +290,7 @@ class Slab:
     holes: Sequence[Loop]
 
     def beyond(self, points: Iterable[tuple[float, float]]) -> Floats:
-        """Vector (q, 2) [m] from each point outside the plate to the nearest edge point; zero for others."""
+        """Vectors (q, 2) [m] from points outside the plate to the nearest edge point; zero for points on the plate."""
         xy = np.array([*points]).reshape(-1, 2)
         off = np.any([~self.outline.has(xy), *(hole.has(xy) for hole in self.holes)], axis=0)
         return np.where(off[:, None], self._edges.nearest(xy)[0] - xy, 0.0)
@@ -302,11 +300,11 @@ class Slab:
         return Targets.join([loop.sides_drawn for loop in (self.outline, *self.holes)])
 
     def covers(self, points: Iterable[tuple[float, float]], within: float) -> bool:
-        """Whether all points are on the plate or at most ``within`` [m] from it."""
+        """Whether all points are on the plate or at most ``within`` [m] from the plate."""
         return bool((np.hypot(*self.beyond(points).T) <= within).all())
 
     def _push(self, shape: Loop) -> complex:
-        """Vector [m] by which a shape must move so that its point farthest outside the plate is on an edge."""
+        """Vector [m] that moves the point of a shape farthest outside the plate onto an edge of the plate."""
         if not shape.radius:
             return max((complex(x, y) for x, y in self.beyond(shape.points).tolist()), key=abs)
         middle = np.array([shape.corners[0][:2]])
@@ -315,7 +313,7 @@ class Slab:
         return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
 
     def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
-        """Center [m] of a footprint after moves onto the plate; None if it would move by more than √2 ``most`` [m]."""
+        """Center [m] of a footprint moved onto the plate; None if this needs a move of more than √2 ``most`` [m]."""
         place = complex(*at)
         for _ in range(_PASSES):
             push = self._push(footprint_at((place.real, place.imag), size))
@@ -327,7 +325,7 @@ class Slab:
         return None
 
     def cut(self, at: tuple[float, float], size: Footprint) -> tuple[tuple[float, float], Footprint] | None:
-        """Center and size of the part of a rectangle that is on the plate; None if that part is not a rectangle."""
+        """Center and size of the part of a rectangular footprint on the plate; None if this part is not a rectangle."""
         whole, place, sides = footprint_at(at, size), complex(*at), np.array(size[:2])
         along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
         for _ in range(_PASSES if len(size) > 1 else 0):
@@ -346,7 +344,7 @@ class Slab:
 
 
 class Lost(NamedTuple):
-    """Shapes of a role that were not imported: the role, their number, and the message about them."""
+    """Shapes of one role (such as "holes") that were not imported: role, number of shapes, message with the reason."""
 
     role: str
     number: int
@@ -355,25 +353,25 @@ class Lost(NamedTuple):
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawn plate: its shapes by their roles; lengths in metres."""
+    """A drawn plate: shapes of the drawing by their roles in the model; lengths in metres."""
 
     outline: Loop
     holes: tuple[Loop, ...]
     zones: tuple[Loop, ...]
     """Outlines of zones with another thickness or material."""
     points: dict[Footprint, list[tuple[float, float]]]
-    """Positions (x, y) [m] of point supports, by the size of their footprints."""
+    """Positions (x, y) [m] of point supports, grouped by the size of their footprints."""
     lines: tuple[tuple[Corner, ...], ...]
     """Open lines with straight sides and arcs, which become supports."""
     took: tuple[str, ...]
     left: tuple[str, ...]
-    """Messages about shapes of the drawing that were not imported."""
+    """Messages about all shapes of the drawing that were not imported."""
     lost: tuple[Lost, ...] = ()
-    """Numbers of shapes that were not imported, with their messages."""
+    """Shapes that have a role but could not be imported; they make `signorini import-dxf` fail."""
 
     @property
     def counts(self) -> list[str]:
-        """For each role a text with the numbers of imported and of drawn shapes."""
+        """Texts such as "holes: 2 of 3": for each role the number of imported shapes and the number of drawn shapes."""
         used = {"holes": len(self.holes), "zones": len(self.zones), "points": sum(map(len, self.points.values()))}
         used["lines"] = len(self.lines)
         drawn = {role: n + sum(lost.number for lost in self.lost if lost.role == role) for role, n in used.items()}
@@ -383,17 +381,18 @@ class Drawing:
 THICKNESSES = (0.05, 0.6)
 """Smallest and largest thickness [m] of a wall."""
 _MATCHED, _SHARED = 0.75, 0.25
-"""Smallest common length of two faces of a wall, relative to the longer face. The first value is for a certain wall,
-the second for a possible wall.
+"""Smallest length on which two faces of a wall are opposite each other, as a fraction of the longer face.
+
+The first value is for single straight lines; the second for lines of several sides and for possible walls.
 """
 _LONG = 3.0
-"""Smallest ratio of length to distance of the two faces of a wall."""
+"""Smallest ratio of the length of a wall's two faces to the distance between them."""
 _ASKEW = 0.01
-"""Largest slope of a line relative to another that counts as parallel, half a degree: the accuracy of drawings."""
+"""Two lines are parallel up to this slope between them, half a degree: the accuracy of drawings."""
 
 
 def middles_of_loops(loops: Sequence[Loop]) -> tuple[list[tuple[Corner, ...]], list[Loop]]:
-    """Find closed lines that are outer and inner faces of a wall.
+    """Find pairs of closed lines that are the outer and inner faces of a wall.
 
     Return the closed center lines of these walls, and the other closed lines.
     """
@@ -427,7 +426,7 @@ def middles_of_lines(
 ) -> tuple[list[tuple[Corner, ...]], list[tuple[float, tuple[float, float]]]]:
     """Replace each pair of open lines that are the faces of a wall by the center line.
 
-    Return all lines, and thickness and start of each wall.
+    Return the lines, with center lines in place of faces, and the thickness and start of each wall.
     """
     straight = {i: line for i, line in enumerate(lines) if not any(corner.bulge for corner in line[:-1])}
     pairs = sorted(
@@ -451,18 +450,18 @@ def middles_of_lines(
 
 
 def _oriented_as(line: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:
-    """The line ``other``, reversed if its end is nearer to the start of ``line`` than its start is."""
+    """The line ``other``, reversed if its last point, not its first, is the nearer one to the start of ``line``."""
     return other[::-1] if math.dist(line[0][:2], other[0][:2]) > math.dist(line[0][:2], other[-1][:2]) else other
 
 
 def _faces(first: Sequence[Corner], second: Sequence[Corner], share: float) -> float | None:
-    """Distance [m] of two lines if each side of one line and its counterpart are faces of a wall; None otherwise."""
+    """Distance [m] of two lines if corresponding sides of both lines are faces of a wall; None otherwise."""
     distances = [_face_distance(a, b, share) for a, b in zip(pairwise(first), pairwise(second), strict=True)]
     return distances[0] if all(distances) else None
 
 
 def beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:
-    """Start points of the lines with a straight side that, with an earlier line, may be the two faces of a wall."""
+    """Start points of lines that have a side which, with a side of an earlier line, may be the two faces of a wall."""
     sides = [[(a, b) for a, b in pairwise(line) if not a.bulge] for line in lines]
     return [
         (line[0].x, line[0].y)

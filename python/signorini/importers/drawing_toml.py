@@ -17,11 +17,11 @@ from signorini.model import validate
 _DIGITS = 6
 """Number of decimals of a length [m]: micrometres, below any building tolerance."""
 _TURN = math.pi / 8
-"""Largest angle [rad] of a part of an arc that is replaced by a chord: support lines cannot have arcs."""
+"""Largest angle [rad] of the parts of an arc that are replaced by chords, since support lines cannot have arcs."""
 _SNAP, _RELATIVE_SNAP = 0.005, 5e-4
-"""Inaccuracy of drawings: in metres, and relative to the slab's size; the smaller of both is used."""
+"""Value of ``mesh.snap``, the inaccuracy of drawings: the smaller of 5 mm and 5e-4 of the slab's size."""
 _ELEMENTS = 30
-"""Number of elements along the longer side of the slab in the written file."""
+"""Number of elements along the longer side of the slab, from which the mesh size in the input file follows."""
 
 
 def drawing_as_toml(drawing: Drawing, title: str) -> str:
@@ -54,7 +54,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
 
 
 def snap(outline: Loop) -> float:
-    """Largest distance [m] from an edge of a point that counts as on the edge."""
+    """Return ``mesh.snap`` of the input file [m]: points up to this distance from an edge count as on the edge."""
     left, bottom, right, top = outline.box
     return min(_SNAP, _RELATIVE_SNAP * max(right - left, top - bottom))
 
@@ -81,9 +81,9 @@ def _area(loop: Loop) -> str:
 
 
 def _corners(loop: Loop) -> list[str]:
-    """Texts of corners and arcs for the key ``polygon``; if possible the last side is straight."""
+    """Return a closed line as TOML items of the key ``polygon``; if possible the last side is straight."""
     sides = list(loop)
-    # A line of two sides, a chord and an arc, ends with the arc, since a polygon begins with a corner.
+    # If a closed line consists of a chord and an arc, the arc comes last, since a polygon begins with a corner.
     straight = [i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if (a.bulge == 0) == (len(sides) > 2)]
     first = straight[0] if straight else 0
     sides = sides[first:] + sides[:first]
@@ -104,7 +104,7 @@ def _footprint(footprint: tuple[float, ...]) -> str:
 
 
 def _size(extent: float) -> str:
-    """Element size of a slab of this size [m], rounded down to 1, 2 or 5 times a power of ten, as text."""
+    """Return the element size for a slab of size ``extent`` [m], rounded down to 1, 2 or 5 times a power of ten."""
     size = extent / _ELEMENTS
     unit = 10.0 ** math.floor(math.log10(size))
     return _number(max(step * unit for step in (1, 2, 5) if step * unit <= size * 1.001))
@@ -120,7 +120,7 @@ def _number(value: float) -> str:
 
 
 def checked(drawing: Drawing) -> Drawing:
-    """Remove the shapes for which the input file would be refused, and add messages about them.
+    """Remove shapes of a drawing for which the input file would be refused, and add messages about these shapes.
 
     If the outline cannot be meshed, only a message is added, since another element size may help. An outline that
     crosses or touches itself raises `InputError`.

@@ -35,21 +35,22 @@ from signorini.importers.dxf_entities import Layer, layers_in
 _T = TypeVar("_T")
 
 ROLES = ("outline", "holes", "zones", "points", "lines")
-"""Roles of layers. Unless an option names the layers of a role, the layer with the role's name has the role."""
+"""Roles of layers in the model. Unless an option names the layers of a role, the layer with the role's name has it."""
 _FRAME = 0.1
-"""Smallest area of a closed line on another layer that is mentioned as a possible slab, relative to the outline's area.
-The outline may then be the frame of the drawing.
+"""Closed lines on other layers are mentioned as possible slab from this fraction of the outline's area on.
+
+The outline, the largest closed line, may be the frame of the drawing.
 """
 _ROUND = 12
-"""Smallest number of corners of a filled area that may be imported as a circle."""
+"""Smallest number of corners of a filled area that is imported as a circle if its corners are on a circle."""
 _TURN = math.radians(4)
-"""Largest angle [rad] between points of arcs that are tested for being on the plate."""
+"""Largest angle [rad] between the points of an arc at which it is tested whether the arc is on the plate."""
 _STEP = 0.1
-"""Largest distance [m] between points of lines that are tested for being on the plate."""
+"""Largest distance [m] between the points of a line at which it is tested whether the line is on the plate."""
 
 
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], unit: str | None = None) -> Drawing:
-    """Read a drawing; all lengths are converted to metres.
+    """Read a DXF drawing and sort its shapes by roles; all lengths are converted to metres.
 
     Arcs and circles are exact; splines and ellipses are approximated by arcs within 1/20000 of the drawing's size.
     Blocks are replaced by their entities. Ends less than a millimetre apart are joined. ``layers`` are the layer names
@@ -85,7 +86,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     for name, rest in sorted(result.items()):
         said.left += [f"layer {name}: {rest}"] if str(rest) else []
         for role in ROLES[1:] if name not in names["outline"] else ():
-            # A hatch or cross inside an imported shape is a symbol of that shape; no message is needed.
+            # No message is needed for a hatch or cross inside an imported shape, because it is a symbol of that shape.
             within_none = [at for at in rest.places if not any(one.covers(at) for one in symbols[role])]
             if name in names[role] and within_none:
                 said.lost.append(Lost(role, len(within_none), f"layer {name}: {rest}"))
@@ -109,18 +110,18 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
 
 
 class _Said:
-    """Messages about shapes that were changed, and about shapes that were not imported.
+    """Collects messages about shapes that were changed, and about shapes that were not imported.
 
-    ``lost`` has the numbers of shapes that were not imported, by role.
+    ``lost`` has role, number and message of shapes that could not be imported.
     """
 
     def __init__(self, left: list[str]) -> None:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Add a message about shapes that were not imported; ``why`` is the reason.
+        """Add a message about shapes of a role that could not be imported; ``why`` is the reason.
 
-        If only a part of the shapes was not imported, ``what`` names this part.
+        If only a part of each shape was not imported, such as the footprint of a point, ``what`` names this part.
         """
         for line in _line(role, places, why):
             self.left.append(line)
@@ -132,14 +133,14 @@ def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
 
 
 def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
-    """Move a circular or rectangular zone onto the slab, if that is near; return other zones unchanged."""
+    """Return a circular or rectangular zone moved onto the slab, if ``most`` suffices; other zones unchanged."""
     size = zone.footprint
     at = None if size is None else slab.moved(zone.middle, size, most)
     return zone if size is None or at in (None, zone.middle) else footprint_at(at, size)
 
 
 def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
-    """Return the items of all lists, and empty the lists."""
+    """Return the items of all lists in one list, and empty the given lists."""
     taken = []
     for things in lists:
         taken += things
@@ -148,7 +149,7 @@ def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
 
 
 def _named(role: str, wanted: Sequence[str], result: Mapping[str, Layer]) -> list[str]:
-    """Names of the layers of a role without repetition, spelled as in the drawing."""
+    """Names of the layers that have a role, without repetition and spelled as in the drawing."""
     by_name = {name.lower(): name for name in result}
     for name in wanted:
         if name.lower() not in by_name:
@@ -165,7 +166,7 @@ def _layers(names: Sequence[str]) -> str:
 def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
     """Return the largest closed line and the name of its layer.
 
-    If open lines extend over a larger area, they are refused as an outline that is not closed.
+    Open lines that extend over a larger area are refused with a message, as an outline that is not closed.
     """
     ends = [line for one in among.values() for line in one.lines]
     candidates = [(loop, name) for name, one in among.items() for loop in one.loops]
@@ -195,7 +196,7 @@ def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
 
 
 def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, ...]]]:
-    """Groups of open lines that are connected to each other by common ends."""
+    """Return groups of open lines; the lines of a group are connected by common end points."""
     groups: list[list[tuple[Corner, ...]]] = []
     for line in lines:
         ends = line[0], line[-1]
@@ -206,7 +207,7 @@ def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, .
 
 
 def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
-    """Part of a message: free ends of open lines or, if there are none, points where more than two lines meet."""
+    """Return a part of a message with the free ends of open lines or, without any, points where over two lines meet."""
     ends = sorted(end for line in group for end in (line[0], line[-1]))
     meet = {end[:2]: sum(end.is_at(other) for other in ends) for end in ends}
     alone = [at for at, count in meet.items() if count == 1]
@@ -218,15 +219,15 @@ def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
 
 
 def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
-    """Messages about open lines of the outline's layer that extend outside the outline."""
+    """Return messages about open lines of the outline's layer that extend outside the outline."""
     places = [line[0][:2] for line in layer.lines if not outline.covers(flattened(line, _TURN))]
     lines = f"{len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}"
-    advice = "If the slab reaches there, join them to its outline"
+    advice = "If the slab reaches there, join these lines to its outline"
     return [f"outline: {lines}: beyond it. {advice}"] if places else []
 
 
 def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
-    """Text that names the largest closed line of another layer, in case the outline is the frame of the drawing."""
+    """Return a hint with the largest closed line of another layer, in case the outline is the frame of the drawing."""
     rest = [(loop, name) for name, one in among.items() if name != layer for loop in one.loops]
     other, name = max(rest, key=lambda pair: _size(pair[0]), default=(None, ""))
     if other is None or _size(other) < _FRAME * _size(outline):
@@ -238,7 +239,7 @@ def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
 
 
 def _size(loop: Loop) -> float:
-    """Area [m²] of a closed line; if it crosses itself, that of its bounding box, since parts of its area cancel."""
+    """Area [m²] of a closed line, or of its bounding box if the line crosses itself, since parts of its area cancel."""
     left, bottom, right, top = loop.box
     return loop.area if loop.is_simple else (right - left) * (top - bottom)
 
@@ -246,10 +247,10 @@ def _size(loop: Loop) -> float:
 _TWICE, _OFF, _CROSS = (
     "drawn twice; taken once",
     "not on the plate; left",
-    "shapes that cross at one place; none is taken",
+    "shapes that cross at one place; none is imported",
 )
-_OVER = "their shape reaches beyond the plate; points without footprint"
-_LOOSE = "neither circles nor rectangles; points without footprint"
+_OVER = "their shape reaches beyond the plate; imported as points without footprint"
+_LOOSE = "neither circles nor rectangles; imported as points without footprint"
 _TUBE, _CUT, _MOVED = (
     "tubes, their outer shapes",
     "cut by the edge of the plate",
@@ -258,10 +259,10 @@ _TUBE, _CUT, _MOVED = (
 
 
 def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> dict[Footprint, list[Spot]]:
-    """Positions of point supports on the plate, by the size of their footprints.
+    """Return the positions of point supports on the plate, grouped by the size of their footprints.
 
-    Several shapes with one center, such as a filled area with an outline or a tube, are one support, with the footprint
-    of the largest shape.
+    Several shapes with a common center, such as a filled area with its outline or the two circles of a tube, are one
+    support with the footprint of the largest shape.
     """
     places: dict[str, list[Spot]] = defaultdict(list)
     groups: list[list[Loop]] = []
@@ -305,7 +306,7 @@ def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> 
 
 
 def _as_circle(loop: Loop) -> Loop:
-    """Replace a closed line with at least 12 corners, all equally far from its center, by a circle."""
+    """Return a circle for a closed line of at least 12 corners on a circle; otherwise return the line itself."""
     x, y = loop.middle
     radii = [math.dist(corner[:2], (x, y)) for corner in loop.corners]
     if len(radii) < _ROUND or max(radii) - min(radii) > GAP + 0.01 * max(radii):
@@ -314,7 +315,7 @@ def _as_circle(loop: Loop) -> Loop:
 
 
 def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> list[tuple[Corner, ...]]:
-    """Open lines, and the center lines of walls that are drawn with two faces; lines off the plate get a message."""
+    """Return open lines and center lines of walls drawn with two faces; add messages about lines off the plate."""
     closed = _all_of(one.loops for one in layers)
     whole = [(loop, loop.middle_line) for loop in closed]
     along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]
@@ -322,10 +323,10 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
     if along or rings:
         said.changed.append(
             f"lines: walls drawn as closed lines, {len(along) + len(rings)}"
-            f"{about([line[0][:2] for line in (*along, *rings)])}: the lines along their middles"
+            f"{about([line[0][:2] for line in (*along, *rings)])}: imported as the center lines"
         )
     if rest:
-        why = "no wall of one thickness. Draw its middle, or a rectangle of each straight part"
+        why = "not a wall of constant thickness. Draw its center line, or a rectangle of each straight part"
         said.left.append(f"lines: {len(rest)} closed{about([loop.middle for loop in rest])}: {why}")
         said.lost.append(Lost("lines", len(rest), said.left[-1]))
     drawn, pairs = middles_of_lines(_all_of(one.lines for one in layers))
@@ -333,7 +334,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
         apart = f"{pairs[0][0]:.3g} m apart" if len(pairs) == 1 else f"{pairs[0][0]:.3g} to {pairs[-1][0]:.3g} m apart"
         said.changed.append(
             f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{about([at for _, at in pairs])}: "
-            "faces of walls, the lines along their middles"
+            "faces of walls, imported as the center lines"
         )
     drawn += [*along, *rings]
     if beside := beside_others(drawn):
@@ -355,7 +356,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
 
 
 def _spaced(a: tuple[float, float], b: tuple[float, float]) -> list[tuple[float, float]]:
-    """Points that divide the segment from a to b into parts of at most `_STEP`, without the ends."""
+    """Return points that divide the segment from a to b into parts of at most `_STEP`, without its end points."""
     count = math.ceil(math.dist(a, b) / _STEP)
     return [(a[0] + i / count * (b[0] - a[0]), a[1] + i / count * (b[1] - a[1])) for i in range(1, count)]
 

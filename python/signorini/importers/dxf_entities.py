@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
-    """Merge straight edges that overlap into one; return all edges.
+    """Merge straight edges of a drawing that overlap; return all edges, merged or not.
 
     Edges are merged only at a free end. An end is free if no other end is within ``gap``, in the drawing's unit.
     """
@@ -56,14 +56,14 @@ def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
 
 
 def _free(ends: Any, gap: float) -> Any:
-    """Mask (k,) of the ends (k, 2) that coincide with no other end, within ``gap``."""
+    """Mask (k,) of the free ends among the ends (k, 2): no other end is within ``gap``."""
     from scipy.spatial import cKDTree
 
     return np.array([len(near) for near in cKDTree(ends).query_ball_point(ends, gap)]) == 1
 
 
 def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float) -> int | None:
-    """Index of a line that contains end ``side`` of line i and can be merged with line i; None without one."""
+    """Index of a line that contains end ``side`` of line i and can be merged with line i; None if no line does."""
     end, other_end = ends[i, side], ends[i, 1 - side]
     a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)
@@ -97,22 +97,23 @@ def _line(edge: Any, ends: Any) -> Any:
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
 """Unit of length for each value of $INSUNITS in the header of a drawing."""
 _SAGITTA = 1 / 20000
-"""Largest distance of a spline or ellipse from the arcs that approximate it, relative to the drawing's size. The
-directions of neighbouring arcs then differ by less than 1°.
+"""Largest distance of a spline or ellipse from the arcs that approximate it, relative to the drawing's size.
+
+The directions of neighbouring arcs where they meet then differ by less than 1°.
 """
 _MAX_BISECTIONS = 8
-"""Largest number of bisections of a part of a spline; a bend that needs more becomes a corner."""
+"""Largest number of bisections when a spline is approximated by arcs; a bend that needs more becomes a corner."""
 _FLAT = 1e-6
-"""Largest ratio of rise to chord of an arc that counts as a straight line."""
+"""An arc counts as a straight line up to this ratio of its rise to its chord."""
 _CHORD_ERROR = 0.1
-"""Largest distance of chords from a curve if curves are compared, relative to the distance of points that coincide."""
+"""Largest distance of chords from a curve when curves are compared, relative to `GAP` (points that coincide)."""
 _MAX_DEPTH = 16
-"""Largest depth of nested blocks; if the depth is larger, a block must contain itself."""
+"""Largest depth of nested blocks of a drawing; deeper nesting means that a block contains itself."""
 
 
 @dataclass
 class Layer:
-    """Shapes on a layer, in metres; ``others`` counts the entities that are not imported, by type."""
+    """Shapes on a layer, in metres; ``others`` counts, by type, the entities that cannot be imported."""
 
     loops: list[Loop] = field(default_factory=list)
     fills: list[Loop] = field(default_factory=list)
@@ -123,7 +124,7 @@ class Layer:
 
     @property
     def places(self) -> list[list[tuple[float, float]]]:
-        """List of the points (x, y) [m] of each shape."""
+        """For each shape of the layer the list of its points (x, y) [m]."""
         lines = [[corner[:2] for corner in line] for line in self.lines]
         return (
             [[*loop.points] for loop in (*self.loops, *self.fills, *self.slivers)]
@@ -132,7 +133,7 @@ class Layer:
         )
 
     def __str__(self) -> str:
-        """Write the number and the first positions of shapes of each kind."""
+        """Return text with the number and the first positions of the layer's shapes of each kind."""
         shapes = (
             ("closed line", [loop.middle for loop in self.loops]),
             ("filled area", [fill.middle for fill in self.fills]),
@@ -145,7 +146,7 @@ class Layer:
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Layers of a file with shapes, by name; hidden entities are counted in ``others``."""
+    """Return the layers of a DXF file with their shapes, by name; hidden entities are counted in ``others``."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 
@@ -180,7 +181,7 @@ def _metres(document: Document, unit: str | None) -> float:
 
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
-    """Layers of a drawing with shapes, by name; hidden entities are counted in ``others``."""
+    """Return the layers of an opened drawing with their shapes, by name; hidden entities are counted in ``others``."""
     from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
@@ -205,7 +206,7 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
 
 
 def _exploded(entities: Iterable[Any], layer: str | None = None, depth: int = 0) -> Iterator[tuple[str, DXFEntity]]:
-    """Yield each entity with its layer; a block is replaced by its entities.
+    """Yield each entity of the drawing with its layer; blocks are replaced by their entities.
 
     Entities of a block on layer 0 get the layer of the block. A block without drawable entities on its own layer is
     replaced by a point.
@@ -228,7 +229,7 @@ _DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"
 
 
 def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
-    """Sort the entities of a layer by kind and convert lengths to metres.
+    """Return the shapes of a layer, sorted by kind, with lengths in metres.
 
     Splines and ellipses are approximated within ``sagitta``, in the drawing's unit.
     """
@@ -239,7 +240,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
             if kept and corner.is_at(kept[-1]):
-                # Merge coincident points: the bulge is that of the second point, at which the next side begins.
+                # Merge coincident points; keep the bulge of the second point, at which the next side begins.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)
@@ -268,7 +269,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
     edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
-    # ezdxf returns the chains in the random order of a set, so sort them.
+    # Sort the chains of edges, since ezdxf returns them in the random order of a set.
     for linked in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
         polyline = edgesmith.polyline2d_from_chain(linked, max_sagitta=sagitta)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in polyline.vertices)
@@ -282,7 +283,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
-    """Make a closed line of corners, without a repeated last corner; arcs that form a circle become a circle."""
+    """Make a closed line of corners without a repeated last corner, or a circle if all sides are arcs of a circle."""
     from ezdxf.math import bulge_center, bulge_radius
 
     repeated = len(corners) > 1 and corners[0].is_at(corners[-1])
@@ -337,7 +338,7 @@ def _in_arcs(entity: Any, sagitta: float) -> Any:
 def _arcs(
     at: Callable[[float], Vec2], begin: float, end: float, sagitta: float, depth: int = 0
 ) -> list[tuple[Vec2, float]]:
-    """Start points and bulges of arcs that approximate the curve ``at`` between parameters ``begin`` and ``end``."""
+    """Start points and bulges of arcs that approximate the curve ``at(parameter)`` from ``begin`` to ``end``."""
     p, q, half = at(begin), at(end), (begin + end) / 2
     bulge = _bulge(p, at(half), q)
     between = (at(begin + part * (end - begin)) for part in (0.125, 0.25, 0.75, 0.875))
@@ -347,7 +348,7 @@ def _arcs(
 
 
 def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
-    """Bulge of the arc from p through ``middle`` to q; 0 if the points are collinear or two of them coincide."""
+    """Bulge of the arc from p through ``middle`` to q; 0 if the three points are collinear or two of them coincide."""
     from ezdxf.math import bulge_3_points
 
     half = 0.5 * p.distance(q)
@@ -358,7 +359,7 @@ def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
 
 
 def _off_arc(z: Vec2, p: Vec2, q: Vec2, bulge: float) -> float:
-    """Distance of the point z from the circle, or line, of the arc from p to q."""
+    """Distance of the point z from the circle (a line, if the bulge is 0) on which the arc from p to q lies."""
     from ezdxf.math import bulge_center, bulge_radius, distance_point_line_2d
 
     if p.isclose(q):
@@ -395,7 +396,7 @@ def _same(samples: list[Vec2], other: list[Vec2], gap: float) -> bool:
 
 
 def _samples(entity: Any, gap: float) -> list[Vec2]:
-    """Points of a line at 0, ¼, ½, ¾ and 1 of its length, which distinguish lines with equal ends."""
+    """Points at 0, ¼, ½, ¾ and 1 of a line's length, which distinguish different lines with equal ends."""
     from ezdxf.math import Vec2
     from ezdxf.path import make_path
 

@@ -1,1 +1,1 @@
-"""Studies: many variants of one model, solved in several processes or on a cluster."""
+"""Studies: solve many variants of one model, in several processes or on a cluster."""

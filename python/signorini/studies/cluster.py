@@ -1,4 +1,4 @@
-"""Executors of a study: local processes, or the workers of a Dask scheduler."""
+"""Executors that solve the variants of a study: local processes, or the workers of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from signorini.plot.artist import cores
 from signorini.studies.workers import Workers
 
 _SECONDS = 30
-"""Seconds within which a scheduler must answer."""
+"""Seconds within which a Dask scheduler must answer."""
 
 
 @contextmanager
@@ -31,7 +31,10 @@ def solvers(workers: int | None = None, scheduler: str | None = None) -> Iterato
             yield local
         return
     if workers is not None:
-        raise InputError("found --workers, too; the scheduler has its own workers. Give one of them.", "scheduler")
+        raise InputError(
+            "give either --workers or --scheduler; a scheduler has its own workers.",
+            "scheduler",
+        )
     try:
         client = package("distributed").Client(scheduler, timeout=_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -22,14 +22,14 @@ from signorini.model.problems import describe
 from signorini.model.study import Design
 
 Value = Any
-"""A value of a key of the input: a number, a text, a list."""
+"""Value of a parameter, as a key of the input may have it: a number, a text, a list."""
 
 MOST_ROWS = 1_000_000
-"""Largest number of variants in one study; their table then takes about 1 GB."""
+"""Largest number of variants in one study; the table of so large a study takes about 1 GB."""
 _LARGEST_FILE = 400_000_000
-"""Largest size in bytes of a table of values."""
+"""Largest allowed size in bytes of a CSV file with values of a parameter."""
 _PART = re.compile(r'(?:"([^"]+)"|([^."\[\]]+))((?:\[\d+\])*)(?:\.(?=.)|$)')
-"""One part of a path: a key or a name, in quotes if it contains a dot, and positions in lists from 1."""
+"""Pattern of one part of a parameter's path: key or name (in quotes if it contains a dot), then positions from 1."""
 
 
 def _gumbel(mean: float, deviation: float) -> Any:
@@ -64,12 +64,12 @@ FAMILIES: Mapping[str, tuple[Callable[[float, float], Any], Callable[[float, flo
     "gumbel": (_gumbel, lambda mean, deviation: deviation > 0, "[mean, standard deviation > 0] of maxima"),
     "uniform": (_uniform, lambda least, most: least < most, "[least, largest]"),
 }
-"""Distributions by name: how each is made from its two numbers, which numbers are allowed, and their meaning."""
+"""Distributions by name: function of two numbers that makes it, test of these numbers, and their meaning in words."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """Values of one parameter: a list, or a quantile function where the parameter is random."""
+    """A parameter of a study: its path in the input, and a list of values or, if random, its quantile function."""
 
     path: str
     values: tuple[Value, ...] = ()
@@ -77,7 +77,7 @@ class Parameter:
 
     @classmethod
     def of(cls, path: str, given: object, directory: Path) -> Parameter:
-        """Read the values of a parameter; files are relative to ``directory``."""
+        """Read a parameter from its values in the study file; names of CSV files are relative to ``directory``."""
         place = ("parameters", path)
         if isinstance(given, list | tuple | np.ndarray):
             if not len(given):
@@ -105,11 +105,11 @@ class Parameter:
 
     @property
     def is_random(self) -> bool:
-        """Whether the parameter has a distribution."""
+        """Whether the parameter has a distribution instead of a list of values."""
         return self.quantile is not None
 
     def at(self, probabilities: Floats) -> tuple[Value, ...]:
-        """Values (n,) at probabilities (n,); listed values are equally probable."""
+        """Values (n,) of the parameter at probabilities (n,); values of a list are equally probable."""
         if self.quantile is not None:
             return tuple(self.quantile(probabilities).tolist())
         return tuple(self.values[int(u * len(self.values))] for u in probabilities)
@@ -131,7 +131,7 @@ def _number(value: object, place: Place) -> float:
 
 
 def _column(file: Path, name: str, place: Place) -> tuple[Value, ...]:
-    """Values of the column ``name`` of a CSV file: numbers, or texts where a cell is no number."""
+    """Values of the column ``name`` of a CSV file; a cell that is not a number gives a text."""
     try:
         lines = read_regular(file, _LARGEST_FILE).decode("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -158,11 +158,11 @@ def _cell(text: str) -> Value:
 def variants(
     parameters: Sequence[Parameter], design: Design, samples: int | None, seed: int
 ) -> list[tuple[Value, ...]]:
-    """Values of all parameters in each variant (n,).
+    """Return for each variant the values of all parameters.
 
-    "grid" combines every value of each parameter with every value of the others. "list" takes the values in step.
-    "latin" is a Latin hypercube: n variants, of which each lies in a range of probability 1/n of its own, for every
-    parameter (McKay, Beckman, Conover 1979).
+    "grid" combines every value of each parameter with every value of the other parameters. "list" gives variant i the
+    i-th value of every parameter. "latin" is a Latin hypercube (McKay, Beckman, Conover 1979): for each parameter,
+    each of n ranges of probability 1/n contains the value of exactly one of the n variants.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def variants(
         raise InputError(f'found samples with design = "{design}"; only "latin" has samples.', ("samples",))
     for one in parameters:
         if one.is_random:
-            why = f'it is random, and design = "{design}" takes listed values. Take "latin", or {{ from, to, steps }}.'
+            why = f'it is random, but design = "{design}" needs listed values. Use "latin", or {{ from, to, steps }}.'
             raise InputError(why, ("parameters", one.path))
     counts = [len(one.values) for one in parameters]
     if design == "grid":
@@ -193,12 +193,14 @@ def variants(
         return list(itertools.product(*(one.values for one in parameters)))
     if len(set(counts)) > 1:
         each = ", ".join(f"{one.path} has {count}" for one, count in zip(parameters, counts, strict=True))
-        raise InputError(f'design = "list" takes equally many values of each parameter; {each}.', ("parameters",))
+        raise InputError(
+            f'design = "list" needs the same number of values for all parameters; {each}.', ("parameters",)
+        )
     return list(zip(*(one.values for one in parameters), strict=True))
 
 
 def place_of(path: str, model: Model, tables: Mapping[str, Any]) -> Place:
-    """Place of a parameter in the ``tables`` of the input of a model: keys, and positions from 0.
+    """Return the place of a parameter in the ``tables`` of a model's input: keys, and positions in lists from 0.
 
     Raises
     ------
@@ -222,7 +224,9 @@ def place_of(path: str, model: Model, tables: Mapping[str, Any]) -> Place:
     while at < len(path):
         part = _PART.match(path, at)
         if part is None:
-            raise InputError('a path is keys and names with dots, such as "support.soil.stiffness".', where)
+            raise InputError(
+                'a path consists of keys and names, separated by dots, such as "support.soil.stiffness".', where
+            )
         keys += [part[1] or part[2].strip(), *(int(position) for position in re.findall(r"\d+", part[3]))]
         at = part.end()
     place, node, raw = list[str | int](), model, tables
@@ -238,7 +242,7 @@ def place_of(path: str, model: Model, tables: Mapping[str, Any]) -> Place:
                 raise InputError(unknown("name", str(key), list(node), ".".join(map(str, place))), where)
             found, node = key, node[key]
         elif isinstance(raw, list | tuple):
-            if place[-1] == "at" and len(raw) == 1:  # a single point, whose coordinates are at[1] and at[2]
+            if place[-1] == "at" and len(raw) == 1:  # The coordinates of a single point are named at[1] and at[2].
                 place, raw, node = [*place, 0], raw[0], raw[0]
             entries = node if isinstance(node, tuple) and node and isinstance(node[0], Table) else raw
             names = [getattr(entry, "name", "") or "" for entry in entries][: len(raw)]
@@ -254,12 +258,12 @@ def place_of(path: str, model: Model, tables: Mapping[str, Any]) -> Place:
         empty: list[Any] = []
         raw = raw.get(found, empty) if isinstance(raw, Mapping) else raw[found] if isinstance(found, int) else empty
     if isinstance(node, Table) or (isinstance(node, tuple) and node and isinstance(node[0], Table)):
-        raise InputError(f'"{path}" is a whole table. Name a key in it.', where)
+        raise InputError(f'"{path}" is a whole table. Name a key of this table.', where)
     return tuple(place)
 
 
 def changed(tables: Any, place: Place, value: Value) -> Any:
-    """Copy of nested tables with another value at a place; the parts beside the place are shared.
+    """Return a copy of nested tables with another value at a place; unchanged tables are shared with the original.
 
     Examples
     --------

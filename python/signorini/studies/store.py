@@ -1,4 +1,4 @@
-"""The rows of a study on disk: parts that are written while it runs, and the table at its end."""
+"""Rows of a study on disk: files with some of the rows while the study runs, and the complete table at its end."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from signorini.studies.variant import Row
 
 TABLE = "study.parquet"
 _PARTS = "study-rows"
-"""Directory of the parts, inside that of the study."""
+"""Name of the directory, inside the study's directory, of the files with rows of an unfinished study."""
 _KEY = "Study-SHA256"
-"""Metadata of a table: SHA-256 of the study, which identifies template, parameters, results and program."""
+"""Key in a table's metadata; its value is the SHA-256 of the study's template, parameters, results and program."""
 
 
 class Store:
-    """The rows of one study in a directory; several processes may write to it."""
+    """The rows of one study, stored in a directory to which several processes may write."""
 
     def __init__(self, directory: Path, sha256: str, metadata: Mapping[str, str], types: Mapping[str, type]) -> None:
         self.directory, self._types = directory, types
         self._metadata = {**metadata, _KEY: sha256}
 
     def rows(self) -> dict[int, Row]:
-        """All rows that are stored, by number.
+        """Return all stored rows of the study by the number of the variant.
 
         Raises
         ------
@@ -37,7 +37,7 @@ class Store:
         """
         result: dict[int, Row] = {}
         for file in (self.directory / TABLE, *sorted((self.directory / _PARTS).glob("*.parquet"))):
-            # Another process may remove the parts as soon as the table has all rows.
+            # Another process may remove these files as soon as it has written the complete table.
             with suppress(FileNotFoundError):
                 rows, metadata = read_rows(file)
                 if metadata.get(_KEY) != self._metadata[_KEY]:
@@ -47,13 +47,13 @@ class Store:
         return result
 
     def add(self, rows: Iterable[Row]) -> None:
-        """Write some rows as one part, whole or not at all."""
+        """Write some rows of the study atomically as one file."""
         parts = self.directory / _PARTS
         parts.mkdir(parents=True, exist_ok=True)
         self._write(parts / f"{uuid.uuid4().hex}.parquet", rows)
 
     def finish(self, rows: Sequence[Row]) -> None:
-        """Write all rows of the study as its table; remove the parts."""
+        """Write all rows of the study as its complete table, and remove the files with some of the rows."""
         self._write(self.directory / TABLE, rows)
         shutil.rmtree(self.directory / _PARTS, ignore_errors=True)
 
@@ -64,12 +64,12 @@ class Store:
 
 
 def _as_text(value: object) -> str:
-    """Value of a column of texts; JSON where it is no text."""
+    """Return a value for a text column: a text unchanged, other values as JSON."""
     return value if isinstance(value, str) else json.dumps(value)
 
 
 def type_of(values: Collection[object]) -> type:
-    """Type of the column of a parameter: text where the values have several kinds."""
+    """Return the type of a parameter's column: float, bool, or str if values are texts, lists or of several types."""
     kinds = {
         float if isinstance(value, int | float) and not isinstance(value, bool) else type(value) for value in values
     }

@@ -31,18 +31,18 @@ from signorini.studies.variant import OtherProgramError, Row, Variant, program, 
 from signorini.studies.workers import Workers
 
 _TRIES = 5
-"""Number of times that a variant is submitted while the executor cancels it, as a Dask scheduler does that restarts."""
+"""Number of times that a variant is submitted if the executor cancels it, such as a Dask scheduler that restarts."""
 _AHEAD = 4
-"""Number of variants submitted per worker, so that no worker waits."""
+"""Number of variants per worker that are submitted before their results are needed, so that no worker waits."""
 _UNKNOWN_WORKERS = 64
-"""Number of workers assumed for an executor that does not state it."""
+"""Assumed number of workers of an executor without an attribute ``count``."""
 _BLOCK, _SECONDS = 1000, 2.0
-"""Rows and seconds after which finished rows are written to disk; a crash loses at most these."""
+"""Finished rows are written to disk after this number of rows or seconds; a crash loses no more."""
 
 
 @dataclass(frozen=True)
 class StudyProgress:
-    """Progress of a study: ``done`` of ``total`` variants are finished, ``unsolved`` of them without an answer.
+    """Progress of a study: ``done`` of ``total`` variants are finished, ``unsolved`` of these have no solution.
 
     ``left`` is the estimated remaining time in seconds, ``row`` the row of the latest variant.
     """
@@ -56,7 +56,7 @@ class StudyProgress:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study before it is solved: template, places of the parameters, values of every variant, names of results."""
+    """A study to solve: template, places of its parameters, values of each variant, names of the recorded results."""
 
     template: Model
     parameters: tuple[Parameter, ...]
@@ -75,9 +75,11 @@ class Plan:
         samples: int | None,
         seed: int,
     ) -> Self:
-        """Read parameters, whose files are relative to ``directory``, and check all names."""
+        """Make a plan: read parameters (file names are relative to ``directory``), make variants, check all names."""
         if not parameters:
-            raise InputError("there is no parameter. Name one, with its values.", ("parameters",))
+            raise InputError(
+                "the study has no parameter. Give at least one parameter with its values.", ("parameters",)
+            )
         chosen = tuple(Parameter.of(path, given, directory) for path, given in parameters.items())
         if design is None:
             design = "latin" if any(one.is_random for one in chosen) else "grid"
@@ -89,17 +91,20 @@ class Plan:
         for (one, place), (other, whole) in permutations(zip(chosen, places, strict=True), 2):
             if place[: len(whole)] == whole:
                 raise InputError(
-                    f"it sets a part or all of what {other.path} sets. Leave one out.", ("parameters", one.path)
+                    f"it sets values that the parameter {other.path} sets, too. Remove one of these parameters.",
+                    ("parameters", one.path),
                 )
         if not results:
-            raise InputError("there is no result. Name one, such as a check:NAME.utilisation.", ("results",))
+            raise InputError(
+                "the study has no result. Name at least one number, such as check:NAME.utilisation.", ("results",)
+            )
         numbers = Layout.of(discretise(template)).catalogue.by_name
         for index, name in enumerate(results):
             known(name, numbers, "number", f"results[{index + 1}]")
         return cls(template, chosen, places, values, tuple(results))
 
     def variant(self, number: int) -> Variant:
-        """The variant with a number, from 0."""
+        """Return the variant with this number, counted from 0."""
         names, text = tuple(one.path for one in self.parameters), self.template.provenance.text
         return Variant(number, self._program, text, self.places, names, self.values[number], self.results)
 
@@ -109,7 +114,7 @@ class Plan:
 
     @cached_property
     def units(self) -> Mapping[str, str]:
-        """Units of the parameters and results, by path and by name; empty texts without one."""
+        """Units of the parameters (by path) and results (by name); an empty text if there is no unit."""
         tables, labels = json.loads(self.template.provenance.text), self.template.units
         catalogue = Layout.of(discretise(self.template)).catalogue
         numbers = (catalogue.numbers[catalogue.by_name[name]] for name in self.results)
@@ -119,14 +124,14 @@ class Plan:
 
     @cached_property
     def sha256(self) -> str:
-        """SHA-256 of everything that determines the rows."""
+        """SHA-256 of everything on which the rows depend: program, template, its files, parameters, values, results."""
         files = [(one["file"], one["sha256"]) for one in self.template.provenance.json({})["input"]["files"]]
         paths = [one.path for one in self.parameters]
         whole = [self._program, self.template.provenance.text, files, paths, self.values, self.results]
         return hashlib.sha256(json.dumps(whole, default=str).encode()).hexdigest()
 
     def store(self, directory: Path) -> Store:
-        """The store of this study in a directory."""
+        """Return the `Store` of this study's rows in a directory."""
         types: dict[str, type] = {"row": int}
         columns = zip(self.parameters, zip(*self.values, strict=True), strict=True)
         types |= {one.path: type_of(column) for one, column in columns}
@@ -151,7 +156,7 @@ def study(
     shard: tuple[int, int] | None = None,
     progress: Callable[[StudyProgress], object] | None = None,
 ) -> Study:
-    """Solve many variants of a model; a variant without an answer is a row with its reason.
+    """Solve many variants of a model; each variant is a row of a table, with the reason if it has no solution.
 
     The rows are the same to the last bit for any executor and any number of workers.
 
@@ -219,7 +224,7 @@ def run(
     shard: tuple[int, int] | None,
     progress: Callable[[StudyProgress], object] | None,
 ) -> Study:
-    """Solve the missing rows of a planned study; see `study`."""
+    """Solve the variants of a planned study whose rows are not stored yet; arguments as for `study`."""
     store = None if output is None else plan.store(output)
     rows = {} if store is None else store.rows()
     missing = [number for number in _own(plan, shard) if number not in rows]
@@ -248,7 +253,7 @@ def run(
 
 
 def _own(plan: Plan, shard: tuple[int, int] | None) -> range:
-    """Numbers of the variants of a shard; of all variants without one."""
+    """Return the numbers of the variants of a shard (i, n), or of all variants if ``shard`` is None."""
     if shard is None:
         return range(len(plan.values))
     number, count = shard
@@ -259,7 +264,7 @@ def _own(plan: Plan, shard: tuple[int, int] | None) -> range:
 
 @contextmanager
 def _kept(store: Store | None) -> Iterator[Callable[[Row], None]]:
-    """Context with a function that keeps a row; rows are written in blocks, the last also after an error."""
+    """Context with a function that stores a row; rows are written in blocks, the last block also after an error."""
     waiting, since = list[Row](), time.monotonic()
 
     def write() -> None:
@@ -281,7 +286,7 @@ def _kept(store: Store | None) -> Iterator[Callable[[Row], None]]:
 
 
 def _solved(plan: Plan, numbers: Sequence[int], executor: Executor) -> Iterator[Row]:
-    """Yield the rows of variants as they are finished.
+    """Solve variants with an executor and yield their rows in the order in which they are finished.
 
     A call that the executor cancels is submitted again. A variant whose call raises an error has status "failed".
     """

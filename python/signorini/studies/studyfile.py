@@ -14,7 +14,7 @@ from signorini.studies.study import Plan
 
 
 def load_study(path: str | os.PathLike[str]) -> Plan:
-    """Read a study and its template.
+    """Read a study file and its template; return the plan of the study.
 
     Raises
     ------

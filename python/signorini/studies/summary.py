@@ -16,9 +16,9 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.studies.variant import Row
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
-"""Probabilities of the quantiles in a summary."""
+"""Probabilities of the quantiles in the summary of a study."""
 _CONFIDENCE = 0.95
-"""Confidence of intervals of probabilities."""
+"""Confidence of the intervals given for probabilities of failure."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class FailureProbability:
     """Probability that a check fails, from the variants of a random study.
 
     The interval has 95 % confidence for n independent variants (Clopper, Pearson 1934); with a Latin hypercube the
-    scatter is hardly larger (Owen 1997). ``certain`` and ``possible`` count variants that fail if the mesh error (±) is
-    favourable or unfavourable.
+    scatter is hardly larger (Owen 1997). ``certain`` counts variants that fail with utilisation − ±, ``possible`` those
+    that fail with utilisation + ±.
     """
 
     failed: int
@@ -38,7 +38,7 @@ class FailureProbability:
 
     @property
     def value(self) -> float:
-        """Estimate of the probability."""
+        """Estimate of the probability of failure: the part of the counted variants that fail."""
         return self.failed / self.count
 
 
@@ -67,17 +67,17 @@ class Study:
     random: bool
 
     def __repr__(self) -> str:
-        """Show the number of rows and the names."""
+        """Show the number of variants and the names of parameters and results."""
         return f"Study({len(self.rows)} of {self.count} variants, {', '.join((*self.parameters, *self.results))})"
 
     def __getitem__(self, name: str) -> Floats:
-        """Values (n,) of a column of numbers; NaN where a variant has none."""
+        """Values (n,) of a numeric column of the study's table; NaN for variants without a value."""
         columns = self.rows[0] if self.rows else ()
         return np.array([row[known(name, columns, "column", "name", "This study")] for row in self.rows], np.float64)
 
     @cached_property
     def solved(self) -> Bools:
-        """Mask (n,) of the variants that are solved."""
+        """Mask (n,) of the variants with status "solved"."""
         return np.array([row["status"] == "solved" for row in self.rows], np.bool_)
 
     def to_dataframe(self) -> Any:
@@ -85,16 +85,16 @@ class Study:
         return package("pandas").DataFrame(list(self.rows)).set_index("row")
 
     def quantiles(self, result: str) -> Mapping[float, float]:
-        """Quantiles of a result over the solved variants, by probability."""
+        """Return quantiles of a result over the solved variants, by probability."""
         values = self[result][self.solved]
         values = values[np.isfinite(values)]
         found = np.quantile(values, QUANTILES) if len(values) else np.full(len(QUANTILES), np.nan)
         return dict(zip(QUANTILES, found.tolist(), strict=True))
 
     def failure_probability(self, result: str) -> FailureProbability:
-        """Probability that a utilisation exceeds 1; a variant without equilibrium counts as failed.
+        """Estimate the probability that a utilisation exceeds 1; a variant without equilibrium counts as failed.
 
-        Refused and uncertified variants do not count.
+        Variants that are refused, failed to run or are not certified are not counted.
         """
         from scipy.stats import binomtest
 
@@ -111,11 +111,11 @@ class Study:
         return FailureProbability(failed, total, (float(low), float(high)), certain, possible)
 
     def sensitivities(self, result: str) -> Mapping[str, float]:
-        """First-order sensitivity of a result to each parameter: Var(E[y | x]) / Var(y).
+        """Estimate the first-order sensitivity of a result y to each parameter x: Var(E[y | x]) / Var(y).
 
-        The solved variants are grouped by the parameter, by value or by equally many variants; the estimate is ε² of
-        the analysis of variance, unbiased by the number of groups (Kelley 1935; Plischke, Borgonovo, Smith 2013). It is
-        NaN where the result or the parameter does not vary.
+        The solved variants are grouped by equal values of x or, if there are many values, into groups of equal size.
+        The estimate is ε² of the analysis of variance, which the number of groups does not bias (Kelley 1935; Plischke,
+        Borgonovo, Smith 2013). It is NaN if y or x does not vary.
         """
         used = self.solved & np.isfinite(self[result])
         y = self[result][used]
@@ -127,7 +127,7 @@ class Study:
 
 
 def _grouped(values: list[Any]) -> np.ndarray[Any, np.dtype[np.int64]]:
-    """Group (n,) of each value: equal values, or where many differ, √n groups of equally many by rank."""
+    """Return the group number (n,) of each value: one group per value or, with many values, √n groups of equal size."""
     different = sorted(set(map(repr, values)))
     most = max(2, math.isqrt(len(values)))
     if len(different) <= most or not all(isinstance(value, int | float) for value in values):
@@ -138,7 +138,7 @@ def _grouped(values: list[Any]) -> np.ndarray[Any, np.dtype[np.int64]]:
 
 
 def _first_order(group: np.ndarray[Any, np.dtype[np.int64]], y: Floats) -> float:
-    """ε² of y (n,) in groups (n,).
+    """Return ε², the first-order sensitivity, of results y (n,) whose group numbers are ``group`` (n,).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One variant of a study: its model, solved, as one row of the study's table."""
+"""Solve one variant of a study and return it as one row of the study's table."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from signorini.model import Model, validate
 from signorini.studies.parameters import Value, changed
 
 _REUSE = Reuse()
-"""Meshes, element matrices, orderings and factors of previous variants of this process."""
+"""Meshes, element matrices, orderings and factors of earlier variants, stored for reuse in this process."""
 
 Row = dict[str, Any]
-"""One row of a study: a value for each column."""
+"""One row of a study's table, for one variant: values by the names of columns."""
 
 
 def program() -> str:
-    """Version and commit of this program, which must be the same for all rows of a study."""
+    """Return version and commit of signorini, which must be the same for all rows of a study."""
     return f"{__version__} {commit() or ''}".strip()
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A variant: the template's tables as JSON, and a value at each of some places in them."""
+    """A variant: the template's tables as JSON, and for each parameter its place in the tables and its value."""
 
     number: int
     program: str
@@ -43,7 +43,7 @@ class Variant:
 
     @property
     def model(self) -> Model:
-        """The model of the variant, validated."""
+        """The validated model of the variant: the template with the values of the parameters."""
         tables = json.loads(self.template)
         for place, value in zip(self.places, self.values, strict=True):
             tables = changed(tables, place, value)
@@ -51,7 +51,7 @@ class Variant:
 
     @property
     def unsolved(self) -> Row:
-        """The row of the variant without numbers."""
+        """The row of the variant before it is solved: parameters, and empty results."""
         row: Row = {"row": self.number, **dict(zip(self.names, self.values, strict=True))}
         row |= {"status": "solved", "message": "", "model_sha256": "", "elements": 0, "certificate": math.nan}
         for name in self.results:
@@ -59,26 +59,26 @@ class Variant:
         return row
 
     def failed(self, why: str) -> Row:
-        """The row of the variant if it cannot be solved."""
+        """Return the row of the variant with status "failed" and the reason ``why``."""
         return self.unsolved | {"status": "failed", "message": why}
 
 
 class OtherProgramError(SignoriniError):
-    """A worker runs another version of the program."""
+    """Raised if a worker runs another version of signorini than the process that started the study."""
 
 
 def solved(variant: Variant) -> Row:
     """Solve a variant; return its row.
 
-    ``status`` is "solved", "no_equilibrium" if a combination has none, "not_certified", "refused" if the model is
-    invalid, or "failed"; ``message`` is the reason. A result is its value in the governing
+    ``status`` is "solved", "no_equilibrium" if a combination has no equilibrium, "not_certified", "refused" if the
+    model is invalid, or "failed"; ``message`` is the reason. The row has the value of each result in the governing
     combination: the largest value for maxima and utilisations, the smallest for minima, and the value with the largest
     magnitude for other numbers.
 
     Raises
     ------
     OtherProgramError
-        If this is another version of the program than that of the study.
+        If this process runs another version of signorini than the process that started the study.
     """
     if variant.program != program():
         raise OtherProgramError(
@@ -113,7 +113,7 @@ def solved(variant: Variant) -> Row:
 
 
 def _numbers(results: Results, estimates: Estimates | None, name: str) -> Row:
-    """Value, half-width and combination of one result; NaN and "" where no combination has the number."""
+    """Return columns of one result: value, half-width, governing combination; empty if no combination has it."""
     governing = results.governing_value(name)
     if governing is None:
         return {}

@@ -1,4 +1,4 @@
-"""Local worker processes: an executor whose processes may be killed."""
+"""An executor with local worker processes, which go on if one of the processes is killed."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 _TRIES = 5
-"""Number of processes in which a call is tried before it counts as the cause of their deaths."""
+"""Number of processes that may die during the same call before the call is given up as the cause."""
 _LENGTH = struct.Struct("<Q")
-"""Number of bytes of a message, sent before the message."""
+"""Format of the header that is sent before each message: the message's number of bytes."""
 _ONE_THREAD = {
     name: "1" for name in ("RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 }
-"""Environment of a worker process: the workers together use one thread per process."""
+"""Environment variables of a worker process, which limit it to one thread."""
 
 
 class WorkerDiedError(Exception):
@@ -48,11 +48,11 @@ class Workers(Executor):
         self._processes = set[subprocess.Popen[bytes]]()
 
     def submit(self, function: Callable[_P, _T], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_T]:
-        """Call a function of an importable module in one of the processes."""
+        """Call a function of an importable module in one of the worker processes; return a future."""
         return self._threads.submit(self._call, pickle.dumps((function, args, kwargs)))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes; without ``wait`` or with ``cancel_futures`` at once, also those that are busy."""
+        """End the worker processes; without ``wait`` or with ``cancel_futures`` also kill busy processes at once."""
         self._threads.shutdown(wait=wait and not cancel_futures, cancel_futures=cancel_futures)
         for process in list(self._processes):
             process.kill()
@@ -79,11 +79,11 @@ class Workers(Executor):
             if failed:
                 raise value
             return value
-        raise WorkerDiedError(f"{_TRIES} processes died one after another during this call")
+        raise WorkerDiedError(f"{_TRIES} worker processes died one after another during this call")
 
 
 def _started() -> subprocess.Popen[bytes]:
-    # The new session keeps Ctrl-C from the process; the parent process gets the signal and ends the process.
+    # In a session of its own, the worker gets no Ctrl-C; the parent process gets the signal and ends the worker.
     code = f"from {__name__} import main; main()"
     return subprocess.Popen(
         [sys.executable, "-P", "-c", code],
@@ -100,7 +100,7 @@ def _send(stream: IO[bytes], message: bytes) -> None:
 
 
 def _received(stream: IO[bytes]) -> bytes:
-    """Next message of a stream; raise EOFError at its end."""
+    """Return the next message of a stream; raise EOFError at the end of the stream."""
     head = stream.read(_LENGTH.size)
     size = _LENGTH.unpack(head)[0] if len(head) == _LENGTH.size else -1
     message = stream.read(size) if size >= 0 else b""
@@ -110,9 +110,9 @@ def _received(stream: IO[bytes]) -> bytes:
 
 
 def main() -> None:
-    """Main function of a worker process: answer calls from standard input until its end."""
+    """Main function of a worker process: read calls from standard input and write their results to standard output."""
     calls, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    # Whatever prints must not disturb the answers.
+    # Redirect prints to standard error, so that they do not mix with the results of calls.
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while True:
         try:

@@ -20,7 +20,7 @@ from signorini.studies.summary import Study
 def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
     """Write study.json and a picture of each result; return the paths of all files of the study.
 
-    They replace those of an earlier study in the directory; files of other programs stay.
+    These files replace the files of an earlier study in the directory; files of other programs stay.
     """
     from signorini.plot.files import save
     from signorini.plot.studies import study_picture
@@ -51,7 +51,7 @@ def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
 
 
 def _positions(values: list[Any]) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Values (n,) of a parameter as numbers; texts and lists as the order of their first occurrence."""
+    """Return the values of a parameter as numbers (n,); distinct texts and lists are numbered as they first occur."""
     if all(isinstance(value, int | float) for value in values):
         return np.array(values, np.float64)
     order = {text: float(index) for index, text in enumerate(dict.fromkeys(map(repr, values)))}
