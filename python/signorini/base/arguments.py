@@ -134,7 +134,7 @@ def name(value: object, kind: str, place: str) -> str:
 
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
-    """Validate that a name is in ``allowed``; an error message names the ``kind`` of name and the names' ``owner``."""
+    """Validate that a name is in ``allowed``; error messages use the words ``kind`` ("edge") and ``owner``."""
     text = name(value, kind, place)
     if text not in allowed:
         raise InputError(unknown(kind, text, allowed, owner), place=place)
