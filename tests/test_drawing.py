@@ -564,9 +564,10 @@ def test_holes_points_and_lines_off_the_plate_are_left_and_told(plate: Sheet) ->
     assert [hole.middle for hole in drawing.holes] == [(5.25, 3.25)]
     assert drawing.points == {(): [(1, 1), (0, 2)]} and len(drawing.lines) == 1
     assert drawing.left == (
-        "holes: 2, at [12.05, 3.25], [20.25, 3.25]: not inside the outline; draw an opening at an edge as part of the outline",
-        "points: 2, at [5.25, 3.25], [13, 0]: not on the plate; left",
-        "lines: 1, at [5, 1]: not on the plate; left",
+        "holes: 2, at [12.05, 3.25], [20.25, 3.25]: not inside the outline; an opening at an edge must be part of the "
+        "outline",
+        "points: 2, at [5.25, 3.25], [13, 0]: not on the plate; left out",
+        "lines: 1, at [5, 1]: not on the plate; left out",
     )
 
 

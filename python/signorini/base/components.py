@@ -12,8 +12,8 @@ def components(count: int, start: Ints, end: Ints) -> Ints:
     """Component number (count,) of each node of a graph with edges ``start``–``end`` (k,).
 
     Components are numbered in the order of their first nodes. The lowest node number of each component spreads over its
-    edges, with pointer jumping, until no number changes. `scipy.sparse.csgraph` gives the same component numbers, but its
-    import takes longer.
+    edges, with pointer jumping, until no number changes. `scipy.sparse.csgraph` gives the same component numbers, but
+    its import takes longer.
 
     Examples
     --------

@@ -550,7 +550,7 @@ def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[
 
 @contextmanager
 def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
-    """Context with a temporary directory for results, made by ``room``; None with the engine petsc, after a check of it.
+    """Context with the temporary directory for results of ``room``; with the engine petsc ``room`` is only checked.
 
     If an MPI rank dies, MPI kills the other ranks at once, so that no rank could remove a temporary directory.
     """

@@ -77,7 +77,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     said.lose(
         "holes",
         [loop.middle for loop in crossing],
-        "not inside the outline; draw an opening at an edge as part of the outline",
+        "not inside the outline; an opening at an edge must be part of the outline",
     )
     around, slab, within = Slab(outline, ()), Slab(outline, holes), snap(outline)
     zones = [_inside(zone, around, within) for zone in _all_of(one.loops for one in roles["zones"])]
@@ -248,7 +248,7 @@ def _size(loop: Loop) -> float:
 
 _TWICE, _OFF, _CROSS = (
     "drawn twice; taken once",
-    "not on the plate; left",
+    "not on the plate; left out",
     "shapes that cross at one place; none is imported",
 )
 _OVER = "their shape reaches beyond the plate; imported as points without footprint"
@@ -353,7 +353,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
             lines.append(line)
         else:
             off.append(chords[0])
-    said.lose("lines", off, "not on the plate; left")
+    said.lose("lines", off, "not on the plate; left out")
     return lines
 
 
