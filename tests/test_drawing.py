@@ -517,8 +517,8 @@ def test_two_lines_as_far_apart_as_the_faces_of_a_wall_are_one(plate: Sheet) -> 
     assert faces.startswith("lines: 1 pair side by side, 0.2 m apart, at [")
     assert faces.endswith("]: faces of walls, imported as the center lines")
     assert beside == (
-        "lines: 1, at [1, 4.24]: beside another, less than 0.6 m apart; both are supports. Keep one where they are the "
-        "faces of one wall"
+        "lines: 1, at [1, 4.24]: beside another, less than 0.6 m apart; both are supports. If they are the faces of "
+        "one wall, keep only one"
     )
 
 
@@ -564,9 +564,10 @@ def test_holes_points_and_lines_off_the_plate_are_left_and_told(plate: Sheet) ->
     assert [hole.middle for hole in drawing.holes] == [(5.25, 3.25)]
     assert drawing.points == {(): [(1, 1), (0, 2)]} and len(drawing.lines) == 1
     assert drawing.left == (
-        "holes: 2, at [12.05, 3.25], [20.25, 3.25]: not inside the outline; an opening at an edge is part of it",
-        "points: 2, at [5.25, 3.25], [13, 0]: not on the plate; left",
-        "lines: 1, at [5, 1]: not on the plate; left",
+        "holes: 2, at [12.05, 3.25], [20.25, 3.25]: not inside the outline; an opening at an edge must be part of the "
+        "outline",
+        "points: 2, at [5.25, 3.25], [13, 0]: not on the plate; left out",
+        "lines: 1, at [5, 1]: not on the plate; left out",
     )
 
 

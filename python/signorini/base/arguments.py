@@ -127,14 +127,14 @@ def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
 
 
 def name(value: object, kind: str, place: str) -> str:
-    """Validate that a name is text; an error message says of which ``kind`` the named object must be."""
+    """Validate that a name is text; ``kind`` is the word for the named object in an error message, such as "edge"."""
     if not isinstance(value, str):
         raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
     return value
 
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
-    """Validate that a name is in ``allowed``; an error message names the ``kind`` of name and the names' ``owner``."""
+    """Validate that a name is in ``allowed``; error messages use the words ``kind`` ("edge") and ``owner``."""
     text = name(value, kind, place)
     if text not in allowed:
         raise InputError(unknown(kind, text, allowed, owner), place=place)

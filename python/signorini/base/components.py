@@ -11,9 +11,9 @@ Ints = npt.NDArray[np.int64]
 def components(count: int, start: Ints, end: Ints) -> Ints:
     """Component number (count,) of each node of a graph with edges ``start``–``end`` (k,).
 
-    Components are numbered in the order of their first nodes. Each node takes the lowest number among itself and its
-    neighbours, then the number that the node of this number has taken, until no number changes.
-    `scipy.sparse.csgraph` gives the same component numbers, but its import takes longer.
+    Components are numbered in the order of their first nodes. The lowest node number of each component spreads over its
+    edges, with pointer jumping, until no number changes. `scipy.sparse.csgraph` gives the same component numbers, but
+    its import takes longer.
 
     Examples
     --------

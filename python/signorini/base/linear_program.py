@@ -14,7 +14,7 @@ _Floats = NDArray[np.float64]
 _PRIMAL = 4
 """Value of HiGHS's option ``simplex_strategy`` for the primal simplex method."""
 _FEASIBLE = 1e-7
-"""Default absolute tolerance by which a solution may violate rows and bounds; also the default of HiGHS."""
+"""Default absolute tolerance for violated rows and bounds of a linear program; also the default of HiGHS."""
 
 
 def minimise(

@@ -270,7 +270,7 @@ def path(
     ] = None,
     no_error: NoError = False,
 ) -> None:
-    """Follow a plate under a load t times --add: the t at which supports open or close, and at which equilibrium ends.
+    """Follow a plate under the load --from plus t times --add: find the t at which supports open or equilibrium ends.
 
     Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes its results until then.
     """
@@ -314,7 +314,7 @@ def path(
                     f"up to t = {result.limit:.6g}, reactions on the outlines of the supports balance the load, but "
                     "reactions at the contact points of this mesh do not. Refine the mesh at the supports"
                 )
-            raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond it {why}.")
+            raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond this t {why}.")
 
 
 @app.command(
@@ -550,7 +550,7 @@ def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[
 
 @contextmanager
 def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
-    """Context with the temporary directory of ``room``; with the engine petsc the room is only checked, and removed.
+    """Context with the temporary directory for results of ``room``; with the engine petsc ``room`` is only checked.
 
     If an MPI rank dies, MPI kills the other ranks at once, so that no rank could remove a temporary directory.
     """

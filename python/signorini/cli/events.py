@@ -61,7 +61,7 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
     if len(path.not_unique) > _MAX_INTERVALS:
         say(
             console,
-            f"{len(path.not_unique) - _MAX_INTERVALS} more intervals of t without a unique solution: path.json.",
+            f"{len(path.not_unique) - _MAX_INTERVALS} more intervals of t without a unique solution, in path.json.",
         )
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")

@@ -39,8 +39,8 @@ _PLACES = re.compile(r" at \[.*")
 class Labels:
     """Numbers "C1", "C2", ... of combinations, in the order of the input, if names are long.
 
-    A table cell is "C7: name", or "C7" on a narrow console; a sentence has "name (C7)". ``named`` has the names of the
-    numbers that were printed.
+    A table cell is "C7: name", or "C7" on a narrow console; a sentence has "name (C7)". ``named`` has the names of
+    combinations by their printed numbers.
     """
 
     def __init__(self, results: Results) -> None:
@@ -89,14 +89,14 @@ def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Ite
 
 
 def kind_of(singularity: Singularity) -> str:
-    """The description of a singularity without the positions at its end."""
+    """Description of a singularity without the positions at the end of the description."""
     return _PLACES.sub("", singularity.what)
 
 
 def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -> Iterator[str]:
     """Yield contact area and pressure of each area support, and the contact length of each line support.
 
-    ``pressure`` is the largest of all areas; it sets the digits.
+    ``pressure`` is the largest pressure on all area supports; rounding errors relative to it are written as 0.
     """
     units = result.model.units
     for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
@@ -131,11 +131,11 @@ def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
     for index, values in enumerate(result.supports):
         if values.preloads is not None and not np.isnan(values.prying):
             times = cell(values.prying, widths, ("supports", index, "prying"))
-            yield f"{values.name}: bolt force {times} × the tension of the loads"
+            yield f"{values.name}: bolt force {times} × the tension that the loads apply"
 
 
 def lifted(result: Result) -> str:
-    """List the plate's corners that have lifted off a support with zero gap, and their lift; empty without any.
+    """List the plate's corners that have lifted off a support with zero gap, and their lift; empty if none has.
 
     The lift is measured from w = min(settlement, 0): a support that settles away from the plate does not lift it.
     """

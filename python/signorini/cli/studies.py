@@ -86,7 +86,7 @@ def print_study(console: Console, study: Study) -> None:
             said = f"{visible(name)} > 1: {found.failed} of {found.count} variants, probability {low:.2g} to {high:.2g}"
             say(
                 console,
-                f"{said} with 95 % confidence; with the mesh error {found.certain} to {found.possible} variants",
+                f"{said} with 95 % confidence; with ± subtracted or added {found.certain} to {found.possible} variants",
             )
     reasons = Counter((row["status"], row["message"].split("\n")[0]) for row in study.rows if row["status"] != "solved")
     for (status, message), count in reasons.most_common(_MOST_REASONS):

@@ -227,7 +227,7 @@ class PointValues:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Return at each position x, y the value of the nearest support point; the bounds are ignored here."""
+        """Return at each position x, y the value of the nearest support point, without a check of bounds."""
         from scipy.spatial import cKDTree
 
         at = np.stack(np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64)), axis=-1)

@@ -1,1 +1,1 @@
-"""Read and write files: TOML, VTK (.vtu), Parquet."""
+"""Read and write files: TOML, VTK (.vtu), Parquet, .xlsx."""

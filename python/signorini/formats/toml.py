@@ -82,7 +82,7 @@ class Lines:
         self._value(path)
 
     def _key(self) -> Path:
-        """Read a key and the blanks around it; return the parts of the key, which a dotted key has several of."""
+        """Read a key and the blanks around it; return the parts of the key (several for a dotted key)."""
         parts: list[str | int] = []
         while True:
             self._skip_blank()

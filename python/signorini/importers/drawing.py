@@ -450,7 +450,7 @@ def middles_of_lines(
 
 
 def _oriented_as(line: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:
-    """The line ``other``, reversed if its last point, not its first, is the nearer one to the start of ``line``."""
+    """The line ``other``, reversed if its last point is nearer to the start of ``line`` than its first point."""
     return other[::-1] if math.dist(line[0][:2], other[0][:2]) > math.dist(line[0][:2], other[-1][:2]) else other
 
 
@@ -461,7 +461,7 @@ def _faces(first: Sequence[Corner], second: Sequence[Corner], share: float) -> f
 
 
 def beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:
-    """Start points of lines that have a side which, with a side of an earlier line, may be the two faces of a wall."""
+    """Start points of lines of which a side and a side of an earlier line may be the two faces of a wall."""
     sides = [[(a, b) for a, b in pairwise(line) if not a.bulge] for line in lines]
     return [
         (line[0].x, line[0].y)

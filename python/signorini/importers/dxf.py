@@ -75,7 +75,9 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     result[layer].loops += apart
     crossing = [loop for loop in off if loop not in apart]
     said.lose(
-        "holes", [loop.middle for loop in crossing], "not inside the outline; an opening at an edge is part of it"
+        "holes",
+        [loop.middle for loop in crossing],
+        "not inside the outline; an opening at an edge must be part of the outline",
     )
     around, slab, within = Slab(outline, ()), Slab(outline, holes), snap(outline)
     zones = [_inside(zone, around, within) for zone in _all_of(one.loops for one in roles["zones"])]
@@ -133,7 +135,7 @@ def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
 
 
 def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
-    """Return a circular or rectangular zone moved onto the slab, if ``most`` suffices; other zones unchanged."""
+    """Return a circular or rectangular zone moved onto the slab by at most √2 ``most`` [m]; other zones unchanged."""
     size = zone.footprint
     at = None if size is None else slab.moved(zone.middle, size, most)
     return zone if size is None or at in (None, zone.middle) else footprint_at(at, size)
@@ -246,7 +248,7 @@ def _size(loop: Loop) -> float:
 
 _TWICE, _OFF, _CROSS = (
     "drawn twice; taken once",
-    "not on the plate; left",
+    "not on the plate; left out",
     "shapes that cross at one place; none is imported",
 )
 _OVER = "their shape reaches beyond the plate; imported as points without footprint"
@@ -340,7 +342,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
     if beside := beside_others(drawn):
         said.changed.append(
             f"lines: {len(beside)}{about(beside)}: beside another, less than {THICKNESSES[1]:g} m apart; both are "
-            "supports. Keep one where they are the faces of one wall"
+            "supports. If they are the faces of one wall, keep only one"
         )
     lines: list[tuple[Corner, ...]] = []
     off: list[tuple[float, float]] = []
@@ -351,7 +353,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
             lines.append(line)
         else:
             off.append(chords[0])
-    said.lose("lines", off, "not on the plate; left")
+    said.lose("lines", off, "not on the plate; left out")
     return lines
 
 

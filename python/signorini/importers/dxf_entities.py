@@ -63,7 +63,7 @@ def _free(ends: Any, gap: float) -> Any:
 
 
 def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float) -> int | None:
-    """Index of a line that contains end ``side`` of line i and can be merged with line i; None if no line does."""
+    """Index of a line that contains the start (side 0) or end (side 1) of line i and can be merged with it, or None."""
     end, other_end = ends[i, side], ends[i, 1 - side]
     a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)

@@ -90,10 +90,8 @@ class Plan:
         places = tuple(place_of(one.path, template, tables) for one in chosen)
         for (one, place), (other, whole) in permutations(zip(chosen, places, strict=True), 2):
             if place[: len(whole)] == whole:
-                raise InputError(
-                    f"it sets values that the parameter {other.path} sets, too. Remove one of these parameters.",
-                    ("parameters", one.path),
-                )
+                why = f"the parameter {other.path} sets the same key, or a table that contains this key. Remove one."
+                raise InputError(why, ("parameters", one.path))
         if not results:
             raise InputError(
                 "the study has no result. Name at least one number, such as check:NAME.utilisation.", ("results",)
