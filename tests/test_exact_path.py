@@ -414,3 +414,19 @@ def test_supports_that_share_by_the_sign_are_linear_between_stops(ways) -> None:
     direct = signorini.solve(model)["both"]
     for support, other in zip(found.at(0.5).supports, direct.supports, strict=True):
         assert support.reactions == pytest.approx(other.reactions, abs=1e-8 * np.abs(other.reactions).max(initial=1))
+
+
+def test_supports_at_the_same_points_open_and_close_together() -> None:
+    """At a stop, points that open there are closed in the least-norm answer; the next stop once had the event."""
+    tables = tomllib.loads(SLAB)
+    pads, prop = tables["support"]
+    tables["support"] = [pads, prop, {**pads, "name": "doubled"}]
+    single, double = (exact(Model.model_validate(one), "G", "Q") for one in (tomllib.loads(SLAB), tables))
+    of = {
+        name: [(e.t, e.change, e.at) for e in double.support_events if e.support == name]
+        for name in ("pads", "doubled")
+    }
+    alone = [(e.t, e.change, e.at) for e in single.support_events if e.support == "pads"]
+    assert alone and of["pads"] == of["doubled"]
+    assert [e[1:] for e in of["pads"]] == [e[1:] for e in alone]
+    assert [e[0] for e in of["pads"]] == pytest.approx([e[0] for e in alone], rel=1e-9)

@@ -124,8 +124,8 @@ class PathJudge:
     def _put(self, t: float, points: Ints, answer: Answer) -> None:
         self._last = t, answer
         self._waiting.append((t, points, answer))
-        if len(self._waiting) >= min(_AT_ONCE, max(1, _NUMBERS // self.problem.discretisation.dof_count)):
-            self.judge()
+        if len(self._waiting) > min(_AT_ONCE, max(1, _NUMBERS // self.problem.discretisation.dof_count)):
+            self.judge(keep=1)
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
         """Yield a stop for each t since the last stop at which a reaction with a dependent row changes its sign."""
@@ -146,11 +146,12 @@ class PathJudge:
             if begin < turn < t and solution.status == "solved":
                 yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
 
-    def judge(self) -> None:
-        """Certify the answers that are recorded but not yet judged, and store them as stops."""
-        if not self._waiting:
+    def judge(self, keep: int = 0) -> None:
+        """Certify the answers that are recorded but not yet judged, except the last ``keep``; store them as stops."""
+        until = len(self._waiting) - keep
+        if until <= 0:
             return
-        result, waiting, self._waiting = self.problem.discretisation, self._waiting, []
+        result, waiting, self._waiting = self.problem.discretisation, self._waiting[:until], self._waiting[until:]
         at, points, answers = [list(column) for column in zip(*waiting, strict=True)]
         loads = [self.loads[0] + t * self.loads[1] for t in at]
         hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
@@ -178,12 +179,13 @@ class PathJudge:
             least.append(one)
             self.certificates.append(certificate)
         count = len(least)
-        # Points with linearly dependent rows open and close together, including points that the path does not follow.
-        switched = []
+        switched, several = [], bool(result.shared) or self.problem.freedom.count > 0
         for row, one in enumerate(least):
-            changed = points[row] if self._shown is None else np.flatnonzero(one.piece != self._shown)
-            switched.append(Switched(changed, (one.piece if self._shown is None else self._shown)[changed]))
-            self._shown = one.piece
+            following = [*waiting, *self._waiting][row + 1 : row + 2]
+            after = self._between(waiting[row], following[0]) if following and several else one.piece
+            changed = points[row] if self._shown is None else np.flatnonzero(after != self._shown)
+            switched.append(Switched(changed, (after if self._shown is None else self._shown)[changed], after[changed]))
+            self._shown = after
         doubted = np.flatnonzero(doubts[: count + (count < passed)])
         self.doubts += (len(self.stops) + doubted - 1).tolist()
         if count:
@@ -206,6 +208,19 @@ class PathJudge:
             ]
             doubts[apart] = doubtful(self.problem.discretisation, self.problem.freedom, amid[0], amid[1])
         return doubts[len(chain) - len(at) :]
+
+    def _between(self, begin: tuple[float, Ints, Answer], end: tuple[float, Ints, Answer]) -> Pieces:
+        """Pieces of the laws (m,) between two stops, in the least-norm answer halfway.
+
+        At a stop, points that open there are still closed in the least-norm answer.
+        """
+        (t, _, one), (next_t, _, other) = begin, end
+        if t == next_t:
+            return one.piece
+        middle = 0.5 * (t + next_t)
+        names = ("hi", "lo", "reaction", "gap", "shared")
+        mean = replace(one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in names})
+        return self._least(middle, self.loads[0] + middle * self.loads[1], mean, one).piece
 
     def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
         """Return the least-norm answer at t, with reactions only at points that also push just before or after t."""

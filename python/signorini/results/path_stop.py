@@ -119,16 +119,17 @@ class PathStop(Brief):
 
 @dataclass(frozen=True, eq=False)
 class Switched:
-    """Numbers (k,) of contact points that change the piece of their law, and their pieces (k,) before the change."""
+    """Numbers (k,) of contact points that change the piece of their law; their pieces (k,) before and after."""
 
     points: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
+    after: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
 
-    def as_switches(self, discretisation: Discretisation, answer: Answer) -> tuple[Switch, ...]:
+    def as_switches(self, discretisation: Discretisation) -> tuple[Switch, ...]:
         """Describe the points that open, close, yield or stop yielding; other changes of the piece are skipped."""
-        contacts, after = discretisation.contacts.pick(self.points), answer.piece[self.points]
-        yielded, yields = contacts.yield_on(self.before), contacts.yield_on(after)
-        opened, opens = contacts.open_on(self.before), contacts.open_on(after)
+        contacts = discretisation.contacts.pick(self.points)
+        yielded, yields = contacts.yield_on(self.before), contacts.yield_on(self.after)
+        opened, opens = contacts.open_on(self.before), contacts.open_on(self.after)
         changes = np.select([yields & ~yielded, yielded, opens], ["yields", "stops yielding", "opens"], "closes")
         (told,) = np.nonzero((yields != yielded) | (opens != opened))
         names = [discretisation.model.support[index].name for index in contacts.support[told].tolist()]
@@ -175,7 +176,7 @@ def path_stops(
         stops.append(
             PathStop(
                 t=t,
-                switched=switched[row].as_switches(discretisation, answer),
+                switched=switched[row].as_switches(discretisation),
                 points=points[row],
                 pieces=answer.piece[points[row]],
                 catalogue=catalogue,
