@@ -59,8 +59,8 @@ impl Sizes {
             let size = self.at(middle);
             let wide = sub(high, low);
             let cells = wide[0] / size * (wide[1] / size);
-            // In a box that is at most eight elements wide, the element size is nearly constant. If it is constant in
-            // the whole plate, larger boxes suffice.
+            // The number of elements in a box is its area over the squared element size at its middle. The box must be
+            // at most eight elements wide, since the size varies, or small if the size is constant in the plate.
             if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
                 sum += if outline.contains(middle) { cells } else { 0.0 };
             } else if wide[0] > wide[1] {

@@ -100,7 +100,7 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
 
 
 def _target(path: Place, item: _Item) -> _Target:
-    """Corners, sides and circles of an item; empty for an item on edges of the plate."""
+    """Corners, sides and circles of a support, load or zone; empty if it is on edges of the plate."""
     outline = item.where.outline
     corners = [
         *item.where.points,

@@ -120,7 +120,7 @@ class Punching(base.OnPlate, base.Named):
     def complaints_of(
         self, supports: Sequence[Support], loads: Sequence[Load], units: Any, reinforced: bool
     ) -> Iterator[base.Complaint]:
-        """Yield the contradictions with other tables of the model; places are relative to this table.
+        """Yield the contradictions with other tables of the model; their keys are relative to this table.
 
         ``reinforced`` says whether the model has [reinforcement].
         """

@@ -96,7 +96,7 @@ def literal(text: str) -> str:
 
 @cache
 def text_width(text: str, size: float) -> float:
-    """Width of a text with the font size ``size`` [inches]."""
+    """Width [inches] of a text with the font size ``size`` [points]."""
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
 
 

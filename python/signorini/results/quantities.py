@@ -80,7 +80,7 @@ class Quantity:
     kind: str  # name of the kind in `KINDS`
     words: str = ""  # name in words with the symbol; a description may follow after a comma
     key: Path = ()  # keys and indices in results.json below the owner; if empty, ``name`` is the key
-    # name of the vector of which the quantity is a component; components of one vector at one probe change together
+    # name of the vector of which the quantity is a component; the ± of a component considers changes of all of them
     vector: str = ""
     tabled: bool = True  # whether tables have a column for the quantity
     enveloped: bool = True  # whether envelopes contain extremes of the quantity

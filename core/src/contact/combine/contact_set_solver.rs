@@ -20,8 +20,8 @@ use faer::Mat;
 const FEW: f64 = 0.25;
 /// Largest number of points for which the dense inverse is stored; it limits memory.
 const MOST: usize = 2000;
-/// Largest number of corrections with the updated inverse. Without convergence the equations of the contact state are
-/// factored.
+/// Largest number of iterative refinements with the updated inverse of the reference state. If the residual does not
+/// converge, the equations of the contact state are factored.
 const CORRECTIONS: usize = 4;
 
 /// Three vectors (m,): factors x of the responses to the m contact points, reactions and gaps of the points.

@@ -31,9 +31,9 @@ enum Elimination {
     /// H = I + SC, with forces as unknowns, the Schur complement S and the compliances C of the first pieces of the
     /// laws. `None` if all first pieces are rigid.
     Stiffness(Option<Lu>),
-    /// H of the flexibility form. `alone` has each point whose column of H has a single entry, with this entry.
-    /// `factor` is the factored block of H for the other points, `coupled`. `across` has the entries of H in rows of
-    /// `alone` and columns of `coupled`.
+    /// The matrix H of the flexibility form in blocks. `alone` lists the points whose column of H has only a diagonal
+    /// entry, and this entry. `coupled` lists the other points, and `factor` is their factored diagonal block. `across`
+    /// is the block with rows `alone` and columns `coupled`.
     Flexibility { coupled: Vec<usize>, alone: Vec<(usize, f64)>, factor: Option<Lu>, across: Mat<f64> },
 }
 
