@@ -302,8 +302,8 @@ pub fn envelop<'py>(
     Ok((PyArray1::from_vec(py, values).reshape(shape)?, PyArray1::from_vec(py, places).reshape(shape)?))
 }
 
-/// The formula with the given name. `bars` are the fields of `Bars` in their order; only the formula "steel" needs
-/// them.
+/// The formula with the given name. `bars` are the fields of the Rust struct `Bars` in order; only the formula "steel"
+/// needs them.
 fn formula(name: &str, bars: &[f64]) -> PyResult<Formula> {
     Ok(match name {
         "sum" => Formula::Sum,

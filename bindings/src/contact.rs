@@ -16,12 +16,12 @@ use std::sync::Arc;
 /// Plates on their supports, factored once for all loads.
 ///
 /// `held` (3n,) is true for dofs with a prescribed value. `springs` is (elements, rows, further, stiffness, base):
-/// spring i has the force stiffness_i (g_i·u − base_i). The last q entries of `elements` and `rows`
-/// continue the rows with the numbers `further` (q,) in other elements.
-/// `points` is a dict of arrays, the fields of `ContactPoints`. Each of `laws` is (vertices [travel, force], slopes
-/// before the first and after the last vertex). `free_motions` (d, 3n) are the rigid motions that held dofs, springs
-/// and two-sided points leave free; None means d = 0. `method` is "lemke", "active_set" or "saddle". With `like`, a
-/// problem of the same plate, whatever both problems have in common is shared: ordering, factor, condensation.
+/// spring i has the force stiffness_i (g_i·u − base_i). The last q entries of `elements` and `rows` continue the rows
+/// with the numbers `further` (q,) in other elements. `points` is a dict of arrays, the fields of `ContactPoints`. Each
+/// of `laws` is (vertices [travel, force], slopes before the first and after the last vertex). `free_motions` (d, 3n)
+/// are the rigid motions that held dofs, springs and two-sided points leave free; None means d = 0. `method` is
+/// "lemke", "active_set" or "saddle". With `like`, a problem of the same plate, the new problem shares ordering, factor
+/// and condensation if they would be equal.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
     pub inner: Arc<contact::ContactProblem>,

@@ -45,7 +45,7 @@ fn pool() -> PyResult<&'static ThreadPool> {
                     .stack_size(STACK)
                     .build()
                     .map_err(|error| PyOSError::new_err(format!("threads cannot be started: {error}")))?;
-                // If another thread has set the entry first, the next round of the loop uses the pool of that thread.
+                // If another thread has appended a pool first, the loop goes on and examines the pool of that thread.
                 let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
             }
         }

@@ -42,8 +42,8 @@ impl MultiplierRow {
 }
 
 impl Numbering {
-    /// Numbers the free dofs by nested dissection of the elements and of `pairs` of coupled elements. Dofs marked
-    /// `trailing` get the last columns.
+    /// Numbers the free dofs by nested dissection of the elements and of `pairs` of elements that springs couple. Dofs
+    /// marked `trailing` get the last columns.
     pub fn new(plate: &Plate, pairs: &[[u32; 2]], held: &[bool], trailing: &[bool]) -> Self {
         let order = nested_dissection(plate, pairs);
         let free = |wanted: bool| order.iter().copied().filter(move |&dof| !held[dof] && trailing[dof] == wanted);
@@ -342,7 +342,8 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // The graph needs one row of each block; consecutive columns of a node are in one block.
+                    // One row of each block suffices for the graph. Consecutive columns of a node are in one block, so
+                    // the others are skipped.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }

@@ -1,7 +1,8 @@
 //! Nodes that follow a leader as one rigid body.
 //!
 //! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on a follower act on
-//! its leader, with couples. Displacements are stored at all nodes, residual forces at leaders only.
+//! its leader, with their couples about the leader. Displacements are stored at all nodes, residual forces at leaders
+//! only.
 
 use crate::double_double::DoubleDouble;
 

@@ -11,7 +11,7 @@ pub type Lanes = [f64; TILE];
 /// A formula for values at a node from moments m or shears q, and thickness h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Formula {
-    /// The value of the single input itself.
+    /// The input itself; this formula has one input.
     Sum,
     /// Principal moments m1 ≥ m2.
     Principal,
@@ -122,7 +122,7 @@ fn face(m: [f64; 3], h: f64) -> [f64; 8] {
 }
 
 impl Formula {
-    /// Number of inputs of the formula at a node: 3 moments, 2 shears or 1 sum.
+    /// Number of inputs of the formula at a node: 3 moments, 2 shears, or 1 for [`Formula::Sum`].
     pub fn inputs(self) -> usize {
         match self {
             Self::Sum => 1,

@@ -190,8 +190,8 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
-/// Meshes with fewer elements keep their triangles. Merging pairs of triangles would give longer quadrilaterals, which
-/// are less accurate.
+/// Smallest number of elements of a mesh in which remaining triangles are merged in pairs. In a smaller mesh the
+/// resulting quadrilaterals would be long and less accurate.
 const FEW: usize = 28;
 /// Smallest quality (sine of a corner angle), before smoothing, of elements that result from merging triangles.
 /// `CAUTIOUS` applies to meshes of more than `MANY` elements, which are not made again without merging if an angle is

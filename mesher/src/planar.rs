@@ -53,7 +53,7 @@ const SLANT: f64 = 0.42;
 /// Number of sample points per length `NEAR` · element size, along a line of which element sides may follow parts.
 const STATIONS: f64 = 4.0;
 
-/// Begin or end of a part of a new line; `share` is the fraction of the line's length.
+/// Begin or end of a part of a line that is being added; `share` is the fraction of the line's length.
 #[derive(Clone, Copy)]
 struct Stop {
     share: f64,
@@ -152,7 +152,7 @@ impl<'a> Planar<'a> {
             let met = line.crossings(&track.curve);
             stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
-        // Stops at equal points are merged into one stop, which keeps their vertex if one of them has a vertex.
+        // Stops (ends of parts of the line) at equal points become one stop. It has a vertex if one of them has.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
         let mut merged: Vec<Stop> = Vec::new();
         for stop in stops {

@@ -59,8 +59,9 @@ impl Sizes {
             let size = self.at(middle);
             let wide = sub(high, low);
             let cells = wide[0] / size * (wide[1] / size);
-            // The number of elements in a box is its area over the squared element size at its middle. The box must be
-            // at most eight elements wide, since the size varies, or small if the size is constant in the plate.
+            // The number of elements in a box is its area over the squared element size at its middle. This is exact
+            // enough in boxes at most eight elements wide, and in boxes with few elements if the element size is
+            // constant.
             if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
                 sum += if outline.contains(middle) { cells } else { 0.0 };
             } else if wide[0] > wide[1] {

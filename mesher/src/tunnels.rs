@@ -15,8 +15,8 @@ const LEAST_TRIANGLE: f64 = 0.2;
 /// Largest length of a new side relative to the element size there. Three equilateral triangles in a row have a long
 /// side of 2.
 const LONG: f64 = 2.1;
-/// Largest number of quadrilaterals between two triangles that are merged (`FAR`), and largest number of states that a
-/// search visits (`LOOKS`).
+/// Largest number of quadrilaterals between two triangles that are merged (`FAR`), and largest number of positions of
+/// the moved triangle that a search visits (`LOOKS`).
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
 /// Cost of moving the triangle by one quadrilateral, in addition to the cost of the shape of the new quadrilateral.

@@ -78,7 +78,7 @@ impl Entry for Lanes {
     }
 }
 
-/// Arguments of a [`Kernel`]: `count` columns of a supernode, stored as in `layout`, and a vector.
+/// Arguments of a [`Kernel`]: `count` columns of a supernode, stored by panels (see `layout`), and a vector.
 struct Run<'a, E, K> {
     columns: &'a [f64],
     count: usize,
@@ -86,8 +86,8 @@ struct Run<'a, E, K> {
     kernel: PhantomData<K>,
 }
 
-/// An inner loop over `count` columns, in which N registers hold eight numbers. A constant `count` is compiled
-/// separately.
+/// An inner loop over `count` columns, with eight numbers in N SIMD registers. The compiler makes a separate loop for a
+/// `count` that is constant.
 trait Kernel<E> {
     fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
 }

@@ -142,7 +142,8 @@ impl Groups {
                 }
             }
         }
-        // Groups are merged into groups of higher numbers, whose final targets are found first in this order.
+        // Each group was merged into a group of higher number. In descending order that group already has its final
+        // target.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }

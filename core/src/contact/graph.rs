@@ -6,8 +6,8 @@
 
 use std::fmt;
 
-/// The travel at which a piece has no force is a difference of two terms. Below this, relative to one of them, it
-/// counts as zero.
+/// The travel at which a piece has no force is a difference of two terms. It counts as zero if it is smaller than this,
+/// relative to one of the terms.
 const DRAWN: f64 = 1e-12;
 
 /// The law of a contact point: a nondecreasing polyline of force r over travel s.
@@ -147,7 +147,7 @@ impl Graph {
         (1..self.pieces.len()).fold(0, steeper) as u8
     }
 
-    /// Index of the piece at the augmented travel s + σr, with the augmentation compliance σ = `compliance`.
+    /// Index of the piece at the augmented travel s + σr: travel s, force r, augmentation compliance σ = `compliance`.
     pub fn piece_at(&self, compliance: f64, augmented_travel: f64) -> u8 {
         if self.is_straight() {
             return 0;
@@ -155,8 +155,8 @@ impl Graph {
         self.vertices.iter().take_while(|[travel, force]| augmented_travel > travel + compliance * force).count() as u8
     }
 
-    /// Force r at the augmented travel s + σr (σ = `compliance`), and the derivative of r with respect to s + σr. This
-    /// is the Yosida regularization of the graph.
+    /// Force r at the augmented travel s + σr (travel s, augmentation compliance σ = `compliance`), and the derivative
+    /// of r with respect to s + σr. This is the Yosida regularization of the graph.
     pub fn force_at(&self, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let piece = self.piece(self.piece_at(compliance, augmented_travel));
         let slope = piece.in_series(compliance);

@@ -280,8 +280,8 @@ impl Points {
         self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
     }
 
-    /// Reaction r of point i at the augmented travel s + σr (σ = `compliance`), and the derivative of r with respect to
-    /// s + σr.
+    /// Reaction r of point i at the augmented travel s + σr (travel s, augmentation compliance σ = `compliance`), and
+    /// the derivative of r with respect to s + σr.
     pub fn force_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let (weight, unit) = (self.weight[i], self.unit[i]);
         let (force, slope) = self.graph(i).force_at(compliance * weight / unit, augmented_travel / unit);

@@ -14,7 +14,7 @@ use crate::cholesky::FactorError;
 
 /// Largest number of corrections of one solution.
 const CORRECTIONS: usize = 80;
-/// Refinement continues or ends by the joint reduction of the residual over this number of most recent directions.
+/// Number of most recent directions whose joint reduction of the residual decides whether refinement continues.
 const LAST: usize = 10;
 
 /// A direction of generalized conjugate residuals, and the change of the scaled residual along it. The changes of all

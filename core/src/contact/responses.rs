@@ -4,8 +4,8 @@
 //! u = u₀ + Σ factor_c u_c + Σ x_i u_i, with u₀ the response without load, u_c the response to load case c, and u_i the
 //! response to contact point i. Reactions and displacements of points are the same sums. Each response is in
 //! equilibrium: Ku + Gᵀr = f. If each row of G selects a single dof, x_i is the displacement of point i, and load cases
-//! act with all points fixed. Otherwise x_i is the force δ·Gu − r of point i, and load cases act on K̃ = K + Gᵀ diag(δ)
-//! G.
+//! act with all points fixed. Otherwise x_i is the force δ·Gu − r of point i, and load cases act on the plate with a
+//! spring δ at each point, K̃ = K + Gᵀ diag(δ) G.
 
 use super::error::{SolveError, require_length};
 use super::interface::{Form, Interface, Work};

@@ -18,8 +18,8 @@ pub(super) const PROGRESS: f64 = 0.25;
 /// Largest residual of an accepted solution for a fixed contact state, relative to the reference forces and travels.
 pub(super) const SOLVED: f64 = 1e-9;
 
-/// A residual larger than `SOLVED` is accepted up to this multiple of √(3n) times the rounding of the internal forces.
-/// Such residuals occur in a plate that has not reached its supports yet.
+/// A residual above the tolerance `SOLVED` is accepted up to this multiple of √(3n) times the rounding of the internal
+/// forces, with n nodes. Such residuals occur in a plate that has not reached its supports yet.
 pub(super) const ROUNDINGS: f64 = 4.0;
 
 /// Refinement by conjugate residuals stops if the last ten directions together leave more than this fraction of the
@@ -155,24 +155,24 @@ pub(super) mod path {
     /// Smallest t that can be the length of a step. Because of rounding an event at t = 0 may have a t of this size.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
-    /// If the plate moves by its least gap at a smaller t than this, the path changes its unit of t. The value is 10⁵
-    /// times [`NO_LOAD`] and [`SAME_EVENT`].
+    /// A path without initial load changes its unit of t if the plate moves by its least gap at a smaller t than this.
+    /// The value is 10⁵ times [`NO_LOAD`] and [`SAME_EVENT`].
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
-    /// Distances in t beyond an event, relative to a step that doubles the load. A solve at these t finds the contact
-    /// state after the event if exchanging the pieces of points does not find it.
+    /// Distances in t beyond an event, relative to a step of t that doubles the load. A solve at these t finds the
+    /// contact state after the event if moving points to adjacent pieces of their laws does not find it.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
     /// The path jumps at an event if the reaction or gap of a point that changes its piece of the law changes by more
     /// than this, relative to its reference size.
     pub(crate) const JUMP: f64 = 1e-9;
 
-    /// Largest difference in t between an event on refined solutions and the same event of pivoting, relative to the
-    /// length of the segment.
+    /// Largest difference in t between an event computed from refined solutions and the same event located by pivoting,
+    /// relative to the length of the segment.
     pub(crate) const MOVED: f64 = 1e-3;
 
-    /// Tolerance that is added to `MOVED`, relative to a step that doubles the load. Pivoting locates events of nearly
-    /// parallel points to about 1e-7 of this step.
+    /// Term added to the tolerance `MOVED` for the t of an event, relative to a step of t that doubles the load.
+    /// Pivoting locates events of nearly parallel points to about 1e-7 of this step.
     pub(crate) const SEEN: f64 = 1e-6;
 
     /// Least length of a line of the path in t, relative to a step that doubles the load.
@@ -194,7 +194,7 @@ pub(super) mod path {
     /// of a law.
     pub(crate) const NOTHING: f64 = 1e-14;
 
-    /// Smallest reference force of reactions on a path, relative to the largest nodal force of the load. [`SIGN`] times
-    /// it equals the rounding of this nodal force.
+    /// Smallest reference force of reactions on a path, relative to the largest nodal force of the load. The tolerance
+    /// [`SIGN`] times this force is then the rounding of the nodal force.
     pub(crate) const UNSEEN: f64 = 1e-7;
 }

@@ -46,8 +46,8 @@ pub(in crate::contact) fn by_lemke(
             let before = solution.reaction.clone();
             solution.put_on(&problem.points, pieces);
             residual = Residual::of(problem, load, &solution);
-            // If no reaction changed, the right-hand side of the LCP also serves for the first correction of the
-            // refinement.
+            // If the new contact state changed no reaction, the right-hand side of the LCP also serves for the first
+            // correction of the refinement.
             kkt.reduced = (solution.reaction == before).then(|| {
                 reduced.rhs.violation.clone_from(&residual.violation);
                 reduced

@@ -24,11 +24,12 @@ pub(in crate::contact) struct Interface {
     flexibility: OnceLock<Flexibility>,
 }
 
-/// Matrices of the flexibility form (I − P̃δ)Δs + P̃Δr = d, with increments Δs of travel and Δr of reaction.
+/// Matrices of the flexibility form (I − P̃δ)Δs + P̃Δr = d, with increments Δs of travel and Δr of reaction, and the
+/// stiffness δ in the factor.
 pub(super) struct Flexibility {
-    /// The rows of G after forward substitution with the factor of K̃.
+    /// The rows of G after forward substitution with the factor of K̃ = K + Gᵀ diag(δ) G.
     pub(super) rows: ForwardRows,
-    /// Flexibility P̃ = GK̃⁻¹Gᵀ (m, m) of the plate at the contact points.
+    /// Flexibility P̃ = GK̃⁻¹Gᵀ (m, m) at the contact points, with the factored matrix K̃.
     pub(super) matrix: Mat<f64>,
 }
 
@@ -49,8 +50,8 @@ pub(in crate::contact) struct ReducedLoad {
 }
 
 /// Right-hand side at the contact points, each vector (m,). `displacement` is d = GK̃⁻¹f, empty in stiffness form.
-/// `force` is f̂, empty without a Schur complement. `violation` is the distance in travel from each point to the line
-/// of its piece of the law.
+/// `force` has the forces f̂ of the load on the points if these are fixed, empty without a Schur complement.
+/// `violation` is the distance in travel from each point to the line of its piece of the law.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct CondensedRhs {
     pub(in crate::contact) displacement: Vec<f64>,
@@ -59,8 +60,9 @@ pub(in crate::contact) struct CondensedRhs {
 }
 
 impl Interface {
-    /// Condenses a factor of K̃ whose last `trailing` columns are contact dofs. `rows` are the rows of G, indexed by
-    /// column of the factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
+    /// Condenses the plate, from a factor of K̃ = K + Gᵀ diag(δ) G whose last `trailing` columns are contact dofs.
+    /// `rows` are the rows of G, indexed by column of the factor; `multiplier_rows` are the columns of the factor that
+    /// belong to multipliers.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
@@ -134,8 +136,9 @@ impl Interface {
     }
 
     /// The first piece (m,) of each point: in the LCP, force and travel of the point are measured from this piece of
-    /// its law. In stiffness form, for linear laws, and where δ > 0, it is the first piece on which the force depends
-    /// on the travel. At other points it is the first horizontal piece, on which a one-sided point is open.
+    /// its law. In stiffness form, for linear laws, and where the factor includes a stiffness δ > 0, it is the first
+    /// piece on which the force depends on the travel. At other points it is the first horizontal piece, on which a
+    /// one-sided point is open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())

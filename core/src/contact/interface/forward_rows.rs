@@ -1,4 +1,5 @@
-//! Rows of G after forward substitution with the factor of K̃. Their scalar products are the entries of P̃ = GK̃⁻¹Gᵀ.
+//! Rows of G after forward substitution with the factor of K̃ = K + Gᵀ diag(δ) G. Their scalar products are the entries
+//! of P̃ = GK̃⁻¹Gᵀ.
 //!
 //! Narrow rows have dofs of one element only; these dofs are the last columns of the factor. Wide rows connect two
 //! plates or average over a footprint; as last columns their dofs would be hundreds. A wide row is therefore forward

@@ -191,8 +191,8 @@ impl LcpTemplate {
 }
 
 impl Interface {
-    /// The matrix H of the stiffness form SΔs + Δr = f̂ with every point on the first piece of its law, factored, and
-    /// the columns (m, k) by which z acts on these equations.
+    /// The matrix H of the stiffness form SΔs + Δr = f̂ (symbols: see module `interface`) with every point on the first
+    /// piece of its law, factored, and the columns (m, k) by which z acts on these equations.
     fn by_stiffness(
         &self,
         piece: &[Piece],
@@ -215,8 +215,8 @@ impl Interface {
         Ok((Elimination::Stiffness(Some(Lu::of(coupled)?)), columns))
     }
 
-    /// The matrix H of the flexibility form (I − P̃δ)Δs + P̃Δr = d with every point on the first piece of its law,
-    /// factored, and the columns (m, k) by which z acts on these equations.
+    /// The matrix H of the flexibility form (I − P̃δ)Δs + P̃Δr = d (symbols: see module `interface`) with every point
+    /// on the first piece of its law, factored, and the columns (m, k) by which z acts on these equations.
     fn by_flexibility(
         &self,
         piece: &[Piece],

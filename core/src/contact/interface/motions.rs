@@ -37,7 +37,8 @@ impl Work {
 /// Data for imposing the free rigid motions on M and q; they do not depend on the load.
 pub(super) struct FreeMotions {
     /// `moves` is N_J, the displacements under the free rigid motions at the LCP rows J whose z is a gap. `dual` is
-    /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
+    /// WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), δ the stiffnesses of the points in the factor, or W = I if δ = 0 for some row
+    /// of J.
     moves: Mat<f64>,
     dual: Mat<f64>,
     /// Contact point of each LCP row whose z is a gap (rows J), then of each row whose z is a reaction (rows O).
@@ -81,8 +82,8 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // The projection has the weights δ, so that the correction of an entry at a soft point is not larger than the
-        // entry.
+        // The projection has as weights the stiffnesses δ of the points in the factor, so that the correction of an
+        // entry at a soft point is not larger than the entry.
         let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };

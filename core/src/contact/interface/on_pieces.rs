@@ -82,14 +82,15 @@ impl Interface {
         Ok(())
     }
 
-    /// Entry (i, j) of I − P̃δ, the coefficient of the travel of point j; `p` is P̃.
+    /// Entry (i, j) of I − P̃δ, the coefficient of the travel of point j: flexibility P̃ = `p`, stiffness δ in the
+    /// factor.
     pub(super) fn travel_entry(&self, p: MatRef<'_, f64>, i: usize, j: usize) -> f64 {
         let through = -p[(i, j)] * self.delta[j];
         if i == j { 1.0 + through } else { through }
     }
 
-    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j; c is the compliance of point j. The
-    /// force of this point depends on its travel.
+    /// Entry (i, j) of (I − P̃δ)c + P̃, the coefficient of the reaction of point j: flexibility P̃, stiffness δ in the
+    /// factor, compliance c of point j. The force of this point depends on its travel.
     pub(super) fn holding_entry(&self, p: MatRef<'_, f64>, compliance: f64, i: usize, j: usize) -> f64 {
         let absorbed = self.absorbs(j, compliance);
         let through = if absorbed { 0.0 } else { p[(i, j)] * (1.0 - self.delta[j] * compliance) };

@@ -7,7 +7,8 @@ use crate::contact::rigid::{Matrix, eliminated};
 use crate::contact::rigid_body_space::RigidBodySpace;
 use crate::double_double::DoubleDouble;
 
-/// Solver of the projected equations RᵀGᵀkGR a = RᵀF of a contact state, for the amounts a of the rigid motions R.
+/// Solver of the projected equations RᵀGᵀkGR a = RᵀF of a contact state, for the amounts a of the rigid motions R:
+/// slopes k of the laws, nodal forces F.
 pub(super) struct CoarseSolver<'a> {
     rigid_space: &'a RigidBodySpace,
     /// Compliance 1/k (m,) of the points whose force depends on the travel; `None` at other points and at rigid points.

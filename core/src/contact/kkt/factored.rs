@@ -15,7 +15,8 @@ use std::sync::Arc;
 pub(in crate::contact) struct Direction {
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) force: Vec<f64>,
-    /// Whether no support resists the displacement in the present contact state; its length is then undefined.
+    /// Whether no support resists the displacement in the present contact state; the equations then do not determine
+    /// its length.
     pub(in crate::contact) is_free: bool,
 }
 
@@ -113,7 +114,7 @@ impl<'a> Factored<'a> {
     }
 
     /// Factors K with the springs of a contact state. If this matrix is singular, soft springs are added at points
-    /// whose force does not depend on the travel. If that fails too, the old factor stays.
+    /// whose force does not depend on the travel. If that matrix is singular too, the old factor stays.
     pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();

@@ -50,8 +50,8 @@ impl Kkt for Factored<'_> {
     }
 
     fn is_settled(&self, right: &Residual, force: f64) -> bool {
-        // Only points with σ > 0 count: at all other points the factor has the exact stiffness, so a correction leaves
-        // no violation.
+        // Only points with an augmentation compliance σ > 0 are tested. At other points the factor has the exact
+        // stiffness, and a correction leaves no violation of the law.
         let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
         let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
         pushes.all(|push| push <= tolerances::newton::SETTLED * force)

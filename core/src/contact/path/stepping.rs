@@ -44,7 +44,7 @@ impl<'a> PathTracer<'a> {
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // The line is made longer up to the event: interpolation on the line is more exact than extrapolation
+                // The line is made longer up to the event, since interpolation on it is more exact than extrapolation
                 // beyond its end.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;

@@ -130,7 +130,7 @@ impl<'a> PathTracer<'a> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // If prescribed displacements of springs or held dofs move the plate, points in contact have gaps by rounding,
+        // If prescribed displacements of springs or held dofs move the plate, rounding gives points in contact gaps of
         // up to `least`.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
@@ -141,8 +141,8 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // If a plate has a free rigid motion, only its displacement from half the load to the whole load is
-            // proportional to the load.
+            // If a plate has a free rigid motion, its motion until contact is not proportional to the load. Its
+            // displacement from half the load to the whole load is.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;

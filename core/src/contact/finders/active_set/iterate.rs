@@ -54,7 +54,8 @@ impl NewtonIterate<'_> {
         (0..self.augmented_travel.len()).into_par_iter().with_min_len(PARALLEL).map(of).reduce(|| 0.0, f64::max)
     }
 
-    /// Moves along a direction to the least energy, and adds the changes of nodal and contact forces to the residual.
+    /// Moves the iterate along a direction to the point of least energy, and adds the changes of nodal and contact
+    /// forces to the residual.
     pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
         let points = &self.problem.points;
         let mut change = points.change(&direction.nodal);
@@ -77,8 +78,8 @@ impl NewtonIterate<'_> {
             let (moved, old) = (length * change[i], *augmented_travel);
             *augmented_travel = old + moved;
             let series = self.kkt.series[i];
-            // If a point stays on its piece of the law, its change of force is stiffness · travel. If the factor has
-            // the same stiffness, the difference below is exactly zero.
+            // If a point stays on its piece of the law, its change of force is stiffness · travel. Its difference from
+            // the force of the factored spring is then exactly zero if the stiffnesses are equal.
             let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *augmented_travel));
             let increment = match piece == next {
                 true => points.piece(i, piece).in_series(series) * moved,

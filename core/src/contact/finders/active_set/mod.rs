@@ -4,7 +4,7 @@
 //! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, each Newton direction
 //! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual. With the first
 //! penalty the plate bends over many elements; the penalty grows from stage to stage. One factor preconditions every
-//! direction; a new factor is made where the contact state has changed much.
+//! direction; a new factor is made when the contact state has changed much.
 
 mod batch;
 mod coarse_correction;

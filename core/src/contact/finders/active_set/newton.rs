@@ -45,7 +45,7 @@ pub(super) fn system_of<'a>(problem: &ContactProblem, solution: &'a ContactSolut
 struct Stagnation {
     /// Number of successive steps with little reduction of the residual.
     stalled: usize,
-    /// Number of steps on an unchanged contact state since the residual was least.
+    /// Number of steps on an unchanged contact state since the last minimum of the residual.
     lasting: usize,
     before: f64,
     lowest: f64,
@@ -192,7 +192,8 @@ fn first_iterate(start: Start<'_>) -> Result<NewtonIterate<'_>, FactorError> {
         solution.displacement.clone_from(&start.displacement);
         multiplier.copy_from_slice(&start.reaction);
         spent = start.spent;
-        // The contact state of the other solution is factored, unless the given factor already has its springs.
+        // K is factored with the springs of the contact state of `start`, unless the given factor already has these
+        // springs.
         if !shares && spent >= BEFORE_A_FACTOR && !kkt.differing(&start.piece).is_empty() {
             kkt.refactor(&start.piece)?;
         }
