@@ -58,10 +58,10 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// As [`Numbering::new`], with multiplier rows. A multiplier row has its column before the columns of that node of
-    /// the row which is eliminated last. If the row connects several plates, each plate has such a last node, and the
-    /// earliest of these counts. Columns before the row keep positive pivots, since that node is not yet eliminated and
-    /// acts as fixed.
+    /// As [`Numbering::new`], with multiplier rows. The column of a multiplier row precedes the columns of the row's
+    /// last node in elimination order. If the row connects several plates, each plate has such a last node, and the
+    /// column precedes those of the earliest of these nodes. Pivots of earlier columns stay positive, since that node
+    /// is not yet eliminated and acts as fixed.
     pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],

@@ -35,7 +35,7 @@ pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
     all.order.into_iter().flat_map(dofs).collect()
 }
 
-/// State of the dissection. Node n has two parts: its deflection is part 2n, its slopes are part 2n + 1.
+/// Working data of the dissection. Node n has two parts: its deflection is part 2n, its slopes are part 2n + 1.
 struct Dissection<'a> {
     plate: &'a Plate,
     /// Pairs of coupled elements. The cell numbers of pairs follow those of the elements.

@@ -84,7 +84,7 @@ impl<'a> Envelope<'a> {
             beyond |= (values[i] > high[i]) | (values[i] < low[i]);
         }
         if beyond {
-            // An incomplete tile repeats its last entry in the remaining lanes; they are skipped.
+            // An incomplete tile repeats its last entry in the remaining lanes; these lanes are skipped.
             for i in 0..TILE.min(self.largest.len() - from) {
                 if values[i] > high[i] {
                     (self.largest[from + i], self.largest_by[from + i], high[i]) = (values[i], who, values[i]);

@@ -81,7 +81,7 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
 impl Seeds {
     /// Whether a point is far enough from the outline and all lines to be a node of elements of the given size.
     pub fn is_free(&self, p: Point, size: f64) -> bool {
-        // The subtracted value allows for rounding in the distance of a lattice line from the outline and from lines.
+        // 1e-6 allows for the rounding of the distance of a lattice line from the outline and from lines.
         self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
     }
 

@@ -20,7 +20,7 @@ pub struct Triangles {
 }
 
 /// Largest circumradius of a triangle relative to the element size there. Half of a square whose sides are 1.42 times
-/// the element size has 1.0.
+/// the element size has a circumradius of 1.0.
 const LARGE: f64 = 1.1;
 /// Largest circumradius relative to the element size for [`Style::Loose`], where refinement adds most nodes. Distances
 /// of nodes are then 0.8 to 1.6 element sizes.

@@ -48,8 +48,8 @@ impl Entry for f64 {
     }
 }
 
-/// The entries of one row in `LANES` right-hand sides. Results in a lane are the same to the last bit for any other
-/// lanes.
+/// The entries of one row in `LANES` right-hand sides. Results in a lane are the same to the last bit for any numbers
+/// in the other lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub(super) [f64; LANES]);

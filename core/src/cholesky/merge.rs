@@ -32,8 +32,8 @@ fn column(at: usize, order: usize) -> (usize, usize) {
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,
-    /// Range of this child's runs of consecutive rows in the list of runs of all children. The parent eliminates the
-    /// columns of the first `eliminated` runs.
+    /// Range of this child's runs (consecutive rows) in the list of runs of all children. The parent eliminates the
+    /// columns of the first `eliminated` of these runs.
     runs: Range<usize>,
     eliminated: usize,
 }

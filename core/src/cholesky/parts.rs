@@ -44,8 +44,8 @@ impl Parts {
         let total: f64 = work.iter().sum();
         let limit = if total < 4.0 * least { f64::INFINITY } else { least.max(PART * total) };
         let mut parts: Vec<Part> = Vec::new();
-        // The work of the last part, and the parent of its roots; a sibling subtree may join this part. `None` if none
-        // may join.
+        // The work of the last part, and the parent of its roots. A sibling subtree may join the last part; `None` if
+        // none may.
         let mut open: Option<(f64, u32)> = None;
         for s in 0..count {
             if whole[s] > limit {

@@ -142,8 +142,8 @@ impl Groups {
                 }
             }
         }
-        // Each group was merged into a group of higher number. In descending order that group already has its final
-        // target.
+        // A merged group belongs to a group of higher number. In descending order the final target of that group is
+        // known.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }

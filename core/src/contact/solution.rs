@@ -43,7 +43,7 @@ pub struct ContactSolution {
     /// Last factor of the Newton method. The solve of another load can start with this factor.
     pub(super) system: Option<Arc<System>>,
     /// Number of conjugate gradient steps with the factor `system`. If these steps have cost as much as a
-    /// factorization, the next solve factors its contact state.
+    /// factorization, the next solve first factors K with the springs of this contact state.
     pub(super) spent: usize,
 }
 

@@ -62,7 +62,7 @@ static FROM_TIES: LazyLock<[[f64; NUMBERS]; NUMBERS]> = LazyLock::new(|| {
     inverted(rows)
 });
 
-/// A⁻¹ by Gauss–Jordan elimination; `rows` has the rows of [A | 1].
+/// A⁻¹ by Gauss–Jordan elimination; `rows` has the rows of [A | I], with the unit matrix I.
 fn inverted(mut rows: [[f64; 2 * NUMBERS]; NUMBERS]) -> [[f64; NUMBERS]; NUMBERS] {
     for k in 0..NUMBERS {
         let pivot = (k..NUMBERS).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs())).expect("rows are left");
@@ -145,7 +145,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
     let zero = geometry.at[0][0].like(0.0);
     let mut form = [[zero; 2 * TIES]; 2 * TIES];
     let mut points = [Point::none(zero); 9];
-    // Plain loops are inlined here; closures of array functions would be function calls.
+    // Plain loops, since closures passed to array functions such as `map` would not be inlined here.
     for (k, at) in POINTS.iter().enumerate() {
         let jacobian = geometry.jacobian_of(at.shape);
         points[k] = Point::of(&jacobian, at, jacobian.determinant * (0.5 * at.weight), section(k));

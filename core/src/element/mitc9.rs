@@ -226,7 +226,7 @@ impl<T: Number> Apart<T> {
     pub(super) fn of(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Self {
         let zero = geometry.at[0][0].like(0.0);
         let (mut form, mut points) = ([[zero; 2 * TIES]; 2 * TIES], [Point::none(zero); 9]);
-        // Plain loops are inlined here; closures of array functions would be function calls.
+        // Plain loops, since closures passed to array functions such as `map` would not be inlined here.
         for k in 0..9 {
             let station = &GAUSS_POINTS[k];
             let (xi, eta) = (station.xi, station.eta);

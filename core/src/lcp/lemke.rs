@@ -85,7 +85,7 @@ pub fn lemke_watched(
 }
 
 /// Largest number of restarts after the first path. A restart begins at the slack basis, or at the final basis of a
-/// path from there whose recomputed values are infeasible.
+/// path from the slack basis, if the recomputed values of this final basis are infeasible.
 const RESTARTS: usize = 4;
 
 fn solve(
@@ -105,7 +105,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // For numbers near the largest f64, the transformation to the original scale overflows.
+        // Near the largest f64, the transformation of z and w to the original scale overflows.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))

@@ -78,8 +78,8 @@ impl LcpTemplate {
             symmetrize(rows, &mut columns);
         }
         let entry = |r: usize, c: usize| match rows[r].before {
-            // The unknown x of a point is x₀ − Σ columns z; w is the distance from x to the upper or lower end of the
-            // first piece of its law.
+            // The unknown x (force or travel) of a point is x₀ − Σ columns z; w is the distance from x to the upper or
+            // lower end of the first piece of its law.
             None => rows[r].sign() * columns[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,

@@ -130,8 +130,8 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Only LCP rows at an end of the first piece of a law depend on the unknown x of their point. Rows of
-            // further vertices depend on z of the vertex before them.
+            // Only LCP rows at an end of the first piece of a law depend on the unknown x (force or travel) of their
+            // point. Rows of further vertices depend on z of the vertex before them.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }

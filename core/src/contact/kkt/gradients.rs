@@ -15,7 +15,7 @@ use crate::contact::tolerances;
 /// springs of two contact states differ too much.
 pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
-/// Largest number of conjugate gradient steps if the contact state cannot be factored.
+/// Largest number of conjugate gradient steps if K with the springs of the contact state cannot be factored.
 const MOST: usize = 500;
 
 /// The linear equations of one contact state, and the accuracy of their solution.
@@ -62,8 +62,8 @@ pub(in crate::contact) async fn direction(
     };
     let differing = kkt.differing(equations.pieces);
     let deflated = if equations.deflates { Deflated::last(kkt, &differing) } else { None };
-    // Each stiff point whose spring differs takes about one step. With the first penalty the springs of these points
-    // are soft relative to the plate and take fewer.
+    // Each stiff point whose spring differs from the factored one takes about one conjugate gradient step. With the
+    // first penalty the springs of these points are soft relative to the plate and take fewer.
     let stiff = differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
     if stiff <= most || kkt.limit <= kkt.augmentation.first_penalty {
         if let (direction, true) = iterate(kkt, equations, &differing, deflated, most).await? {

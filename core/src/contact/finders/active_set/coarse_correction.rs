@@ -56,8 +56,8 @@ impl NewtonIterate<'_> {
                 found = eliminated(matrix, resultant.clone());
             }
             let step = found.unknown;
-            // Σ arm·step is the displacement of a spring or point under the rigid motions `step`. If it is only
-            // rounding, as between plates that move together, it counts as zero.
+            // Σ arm·step is the displacement of a spring or point (`arm`: its row of GR) under the rigid motions
+            // `step`. If it is only rounding, as between plates that move together, it counts as zero.
             let along = |arm: &[f64]| {
                 let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
                 let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
