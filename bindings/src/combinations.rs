@@ -273,7 +273,7 @@ pub fn envelop<'py>(
         || wanted.len() != bounds.len()
         || wanted.iter().any(|&value| value >= values)
     {
-        return Err(invalid("formulas need as many inputs as are given, and an envelope for each index in wanted"));
+        return Err(invalid("every formula must have as many inputs as given, every index in wanted an envelope"));
     }
     let (class, count_of) = (classes.as_slice()?, left_out.shape()[1]);
     if left_out.shape()[0] != number || class.iter().any(|&c| c < 0 || c as usize >= count_of) {

@@ -233,7 +233,7 @@ impl Plate {
         let further = further_rows(&further, elements.len())?;
         let distance = sized("distance", &distance, elements.len() - further.len())?;
         if rows.shape() != [elements.len(), DOFS] {
-            return Err(invalid(format!("rows must be ({}, {DOFS})", elements.len())));
+            return Err(invalid(format!("rows must have shape ({}, {DOFS})", elements.len())));
         }
         let rows = rows.as_slice()?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;

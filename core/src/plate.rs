@@ -266,7 +266,7 @@ impl Plate {
         for i in (0..8).filter(|_| self.has_followers(e)) {
             let arm = self.arm(e, i);
             let own: [f64; 3] = std::array::from_fn(|k| std::mem::take(&mut covector[3 * i + k]));
-            let at = 3 * leading.iter().position(|node| *node == leading[i]).expect("one of them");
+            let at = 3 * leading.iter().position(|node| *node == leading[i]).expect("node i has a leader");
             covector[at] += own[0];
             (0..2).for_each(|k| covector[at + 1 + k] += own[1 + k] + arm[k] * own[0]);
         }

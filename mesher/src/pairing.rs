@@ -62,7 +62,7 @@ pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point)
             let [a, b, c] = triangles.corners[t];
             elements.push([a, b, c, NONE]);
         } else if t < mate[t] {
-            let i = (0..3).find(|&i| triangles.across[t][i] == mate[t]).expect("mates share a side");
+            let i = (0..3).find(|&i| triangles.across[t][i] == mate[t]).expect("paired triangles share a side");
             elements.push(joined(triangles, t, i));
         }
     }

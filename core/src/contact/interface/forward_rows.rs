@@ -2,7 +2,7 @@
 //! of P̃ = GK̃⁻¹Gᵀ.
 //!
 //! Narrow rows have dofs of one element only; these dofs are the last columns of the factor. Wide rows connect two
-//! plates or average over a footprint; as last columns their dofs would be hundreds. A wide row is therefore forward
+//! plates or average over a footprint; their dofs would be hundreds of last columns. A wide row is therefore forward
 //! substituted through the whole factor, and has entries only at the ancestors of its dofs in the elimination tree. The
 //! factor is L S Lᵀ with sign −1 at multiplier columns; a row g is stored as SL⁻¹gᵀ.
 
@@ -112,6 +112,6 @@ impl ForwardRows {
     }
 
     fn of_last(&self, row: usize) -> &[f64] {
-        self.last.col(row).try_as_col_major().expect("columns stand in one piece").as_slice()
+        self.last.col(row).try_as_col_major().expect("each column is contiguous").as_slice()
     }
 }

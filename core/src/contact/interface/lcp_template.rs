@@ -199,7 +199,7 @@ impl Interface {
         rows: &[VertexRow],
         along: &[[f64; 2]],
     ) -> Result<(Elimination, Mat<f64>), OutOfMemory> {
-        let s = &self.stiffness.as_ref().expect("the form needs it").matrix;
+        let s = &self.stiffness.as_ref().expect("the stiffness form has a Schur complement").matrix;
         let count = self.len();
         let columns = dense::matrix(count, rows.len(), |i, c| {
             let j = rows[c].point;

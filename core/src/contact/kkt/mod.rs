@@ -5,10 +5,10 @@
 //! G  −C    Δr  =  violation      G: rows of points whose force depends on the travel, C: their compliance
 //! ```
 //!
-//! A backend solves them with a regularized diagonal, −σ below or +ρ above (Friedlander & Orban 2012).
-//! [`refine`](super::refine) removes the effect of the regularization, and rounding. Backends differ in the unknowns
-//! that they eliminate. [`Condensed`] eliminates all unknowns except those of the points. [`Factored`] eliminates the
-//! forces of points, or no unknown if these forces are multiplier rows of its matrix.
+//! A backend solves them with a regularized diagonal: −σ in the block of Δr, or +ρ in the block of Δu (Friedlander &
+//! Orban 2012). [`refine`](super::refine) removes the effect of the regularization, and rounding. Backends differ in
+//! the unknowns that they eliminate. [`Condensed`] eliminates all unknowns except those of the points. [`Factored`]
+//! eliminates the forces of points, or no unknown if these forces are multiplier rows of its matrix.
 
 mod batched_factor;
 mod coarse;

@@ -1,7 +1,7 @@
 //! The path of solutions under the load f₀ + t f₁ for growing t ≥ 0. It is piecewise linear, with an event wherever
 //! contact points change their piece of the law.
 //!
-//! For condensed points the path is traced by parametric pivoting of their LCP, for the Newton method from event to
+//! For condensed points, parametric pivoting of their LCP traces the path. The Newton method traces it from event to
 //! event. On one contact state everything is linear in t, and the next event is the first t at which a point reaches an
 //! end of its piece. Each segment is interpolated between two refined solutions.
 //!

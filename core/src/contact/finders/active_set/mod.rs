@@ -2,9 +2,9 @@
 //! Kunisch 2002), inside the method of multipliers (Rockafellar 1976) for rigid or nearly rigid supports.
 //!
 //! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, each Newton direction
-//! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual. With the first
-//! penalty the plate bends over many elements; the penalty grows from stage to stage. One factor preconditions every
-//! direction; a new factor is made when the contact state has changed much.
+//! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual problem. With
+//! the first penalty the plate bends over many elements; the penalty grows from stage to stage. One factor
+//! preconditions every direction; a new factor is made when the contact state has changed much.
 
 mod batch;
 mod coarse_correction;
