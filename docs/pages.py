@@ -1,6 +1,6 @@
 """Run the code on pages of the documentation and compare its output with the page.
 
-The working directory of a page is ``docs/made/PAGE``. The files of ``examples/`` that a page links are copied there.
+The working directory of a page is ``docs/made/PAGE``. Linked files of ``examples/`` are copied there.
 The code blocks of a page are handled in order:
 
 - ``toml`` that begins with ``# NAME.toml`` is written to that file. Other ``toml`` must occur in a file of the page.
