@@ -1,9 +1,9 @@
 """Run the code on pages of the documentation and compare its output with the page.
 
-The working directory of a page is ``docs/made/PAGE``. The files of ``examples/`` that a page links are copied there.
+The working directory of a page is ``docs/made/PAGE``. Linked files of ``examples/`` are copied there.
 The code blocks of a page are handled in order:
 
-- ``toml`` that begins with ``# NAME.toml`` is written to that file. Other ``toml`` must occur in a file of the page.
+- ``toml`` that begins with ``# NAME.toml`` is written to that file. Other ``toml`` must be part of a file there.
 - ``sh`` and ``python`` run, and may not fail.
 - A block without language shows lines that the last command printed, in order; ``…`` stands for left-out lines.
 

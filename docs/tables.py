@@ -62,7 +62,7 @@ def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
 
 
 def _section(title: str, *columns: str) -> str:
-    """Heading of a section, and of its table with these columns."""
+    """Section heading, followed by the head of a table with the given columns."""
     return f"\n## {title}\n\n| {' | '.join(columns)} |\n|{'---|' * len(columns)}"
 
 
@@ -74,7 +74,7 @@ def _row(key: str, node: Node, required: bool) -> str:
 
 
 def keys() -> str:
-    """Return docs/keys.md: a section for each table of the input file, followed by the tables that are its values."""
+    """Return docs/keys.md: a section for each table of the input file, then for each table in its values."""
     schema, lines, done = signorini.schema(), [_KEYS], set[str]()
     definitions, waiting = schema["$defs"], list[tuple[str, str, Node]]()
     for key, node in schema["properties"].items():
