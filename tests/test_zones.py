@@ -199,7 +199,7 @@ def test_overlaps_that_are_seldom_meant_are_told():
             {"area": MIDDLE, "stiffness": STIFF},
             r"zone\[1\].thickness: 'thickness' is missing; it is required with stiffness",
         ),
-        ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; with stiffness"),
+        ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; beside stiffness"),
         ({"area": MIDDLE, "stiffness": STIFF | {"D1": 8e6}}, r"stiffness.D1: found 8e\+06; .D1. must be less than"),
         ({"area": MIDDLE, "thickness": 0.3, "material": {}}, r"zone\[1\].material.E: 'E' is missing. Young's modulus"),
         ({"area": "all", "thickness": 0.3}, r'zone\[1\].area: found "all"'),
