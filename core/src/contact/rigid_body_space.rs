@@ -27,8 +27,8 @@ pub(super) struct RigidBodySpace {
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
-    /// Product of the rows of G with R, (m, n), for the contact points (`points`) and for the springs (`springs`), row
-    /// by row.
+    /// Displacements GR (m, k) of m contact points in the k rigid motions R, stored row by row; `springs` are those of
+    /// the springs.
     points: Vec<f64>,
     springs: Vec<f64>,
 }

@@ -131,7 +131,7 @@ class BalanceMark:
 class PressureLayer:
     """Contact pressure of one area support on the elements that it meets.
 
-    Pressures in ``bounds``, the range in the area, are drawn; other values mark the gap.
+    Values within ``bounds``, the range of pressures in the contact area, are drawn. Values outside it mean no contact.
     """
 
     cut: Tessellation

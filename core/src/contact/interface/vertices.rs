@@ -156,8 +156,8 @@ impl Vertices {
     }
 }
 
-/// Change of [travel, force] of a point along the piece of its law beyond the vertex of a row, per unit of z. z is a
-/// force if the force depends on the travel on that piece, otherwise a travel.
+/// Change of [travel, force] of a contact point per unit of the LCP unknown z. The point moves from a vertex of its law
+/// along the next piece. On a piece where the force depends on the travel, z is a force; otherwise z is a travel.
 pub(super) fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };
