@@ -33,7 +33,7 @@ _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "second
 _KEYS_OF_STUDY = {"program", "input", "study_sha256", "results"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _INDEX_SAYS = "`signorini validate` writes these pages"
-"""Text in every index of pages of validation."""
+"""Text in every index that `signorini validate` writes; it tells this index from files of other programs."""
 _LINK = re.compile(r"\]\(([\w.+-]+\.(?:md|toml|png))\)")
 """Pattern of a link to a file in the same directory."""
 _LARGEST_ACCOUNT = 1_000_000_000

@@ -96,7 +96,7 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
 
 
 def _asked(results: Results) -> dict[str, Any]:
-    """Further options: names of sensitivities, and the combination if only the result of one combination is written."""
+    """Options of the run besides the model: names of sensitivities; the combination if only one result is written."""
     model, names = results.model, [one.name for one in results.sensitivities]
     asked: dict[str, Any] = {"sensitivity": names} if names else {}
     if model.combination != model.original.combination:

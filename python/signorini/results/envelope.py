@@ -328,7 +328,7 @@ class Envelope:
 
 
 def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
-    """Yield where a catalogue has the maxima (``side`` 0) or minima (1) of fields, then of means at singular points.
+    """Yield the indices in a catalogue of maxima (``side`` 0) or minima (1): of fields, then of means at singularities.
 
     Each tuple has the indices (k,) in the catalogue, the indices (k,) of the fields, and the index in `ENDS`.
     """

@@ -20,8 +20,8 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
-"""Tolerance for equal numbers, relative to a field's size, and for equal coordinates, relative to the distance of the
-places.
+"""Tolerance for equal numbers, relative to a field's size, and for equal coordinates, relative to the extent of the
+positions.
 """
 
 

@@ -192,7 +192,7 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
                 if (before >= beyond) == (now >= beyond):
                     continue
                 change, part = event_of(support, number, opening, len(LEVELS))
-                # A line begins to open or close at the stop before its part changes: there its first point switches.
+                # A line begins to open or close at the stop where its first point switches, before its part changes.
                 begins = change in ("begins to open", "begins to close")
                 begin = row - 1 if begins and support.along_line else row
                 first = [one for one in stops[begin].switched if begins and one.support == support.name]

@@ -72,7 +72,7 @@ class SupportForces(NamedTuple):
         return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
 
     def on(self, plate: OfWhole) -> SupportForces:
-        """The part of the forces that acts on ``plate``, one of several plates."""
+        """Forces on the nodes and springs of ``plate``, one of several plates."""
         return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
 
 

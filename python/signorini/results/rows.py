@@ -64,7 +64,7 @@ class Bearing:
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """Which of n nodes are excluded from the extremes of a field, depending on the acting load cases.
+    """Nodes, of n, that are excluded from the extremes of a field, depending on the acting load cases.
 
     A node is excluded if the field is singular there under an acting load case, or if the node never counts
     (`StressNodes.counting`). Nodes that the same load cases exclude form a class.

@@ -244,7 +244,7 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None], self._law)
 
     def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
-        """For p pairs of a solution and an element that the edge of contact may cross: the element's part in contact.
+        """Compute the part in contact of elements that the edge of contact may cross, for p pairs (solution, element).
 
         Returns the numbers (p,) of the solutions, the numbers (p,) of the elements, the parts (p,) from 0 to 1, and the
         zero tolerance (k,) of the overlap in each of the k solutions.
@@ -284,7 +284,7 @@ _STEP = 1e-6
 longer than the tolerance of outlines.
 """
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
-"""Unit vectors of the directions of these steps; the usual outlines of areas are parallel to none of the directions."""
+"""Directions of the steps from a common border into an area, as unit vectors; usual outlines are parallel to none."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:

@@ -136,7 +136,7 @@ class Cells:
             own, elements = np.nonzero(more)
 
     def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
-        """Parts (p,) in contact of elements number ``place`` of the grid; mask (p, 4) of sides that the edge cuts."""
+        """Parts (p,) in contact of the grid's elements ``place``; mask (p, 4) of sides that the edge cuts."""
         values = nodal @ grid.shapes[0].T
         if grid.triangles.any():
             of_triangle = grid.triangles[place]
