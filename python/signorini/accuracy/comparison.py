@@ -320,7 +320,7 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
 
 
 def _with_checks(result: Result, widths: Floats) -> Floats:
-    """Half-widths (n,) of a result's numbers, in which the half-widths of its checks are filled in."""
+    """Half-widths (n,) of a result's numbers; those of its checks are computed from the other half-widths."""
     return np.ravel(widened(result.catalogue, result.numbers[None], widths[None], result.model.has_limits))
 
 
@@ -339,7 +339,7 @@ _AT_STATIONS: Mapping[str, float] = MappingProxyType({"moment_bottom": 1.0, "mom
 """Design moments at a station of a strip, each with its sign."""
 _SIGNS = {"probe": DESIGN_MOMENTS, "station": _AT_STATIONS}
 _AREAS = {"probe": REINFORCEMENT, "station": {name.replace("moment", "as"): name for name in _AT_STATIONS}}
-"""At probes and at stations: the sign of each design moment; the design moment for each area of reinforcement."""
+"""`_SIGNS`: sign of each design moment at probes and stations. `_AREAS`: design moment by name of the bar area."""
 _Place = tuple[str, int, int, str]
 
 
@@ -349,7 +349,7 @@ def _signs(numbers: Sequence[Number]) -> Floats:
 
 
 def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
-    """Rows of the numbers at probes and at stations of strips; the key is kind of place, owner, part, quantity."""
+    """Indices of numbers at probes and stations, by ("probe" or "station", index, part of the owner, quantity)."""
     local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
     return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
 
@@ -371,7 +371,7 @@ def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
         if along is None or across is None or twist is None:
             continue
         g = sign * values[:, along] + (size := np.abs(values[:, twist]))
-        if across != along:  # the other case of Wood's rules: no bars are needed in the direction across
+        if across != along:  # Wood's rules if the direction across needs no bars
             other = np.abs(values[:, across])
             with np.errstate(divide="ignore", invalid="ignore"):
                 alone = sign * values[:, along] + size**2 / other
@@ -381,9 +381,9 @@ def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
 
 
 def _widen_absent(widths: Floats, numbers: Sequence[Number], values: Floats) -> None:
-    """Make the half-width of a reinforcement of zero unknown if the half-width of its design moment exceeds zero.
+    """Set the half-width of a bar area of zero to NaN if its design moment plus half-width exceeds zero.
 
-    The reinforcement then is at least the minimum, at an unknown depth.
+    On a finer mesh at least the minimum reinforcement may be needed there, at an unknown depth.
     """
     rows = _places(numbers)
     for (home, owner, part, name), row in rows.items():

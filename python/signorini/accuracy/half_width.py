@@ -268,7 +268,7 @@ def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> 
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
-    """Return the thickness (n,) to which the rigidity at each point refers, all rigidities, and its index (n,)."""
+    """Thickness (n,) to which the rigidity at each point refers, all rigidities, and its index (n,)."""
     zones, nominal = Zones.anywhere(model), np.empty(len(points))
     made = zones.made_at(points)
     for number in np.unique(made.thickness):

@@ -71,7 +71,7 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     # Where the outline fixes the element size, other size options give the same mesh.
     outlined = not model.plates and model.divisions is None and mesh.spanning.any() and count <= _CHEAP
     fixed = given or outlined
-    # Element sizes between refined places and the rest do not follow the size options; division halves all sizes.
+    # A refined mesh is divided: size options do not scale the transition to its small elements, division does.
     finer = _divided if fixed or (not model.plates and _is_straight(mesh)) else _scaled
     coarser = [] if given or along == 1 else [_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)]
     # In a refinement to an accuracy, all meshes are compared with finer meshes.
@@ -103,7 +103,7 @@ def _is_straight(mesh: Mesh) -> bool:
 def _along(model: Model, count: int) -> int:
     """Estimated number of elements along the shorter side of a plate; for several plates the smallest number."""
     parts = [part.model for part in model.parts] if model.plates else [model]
-    # `divisions` do not include refined places; then the number along a side follows from the number of elements.
+    # `divisions` omit elements of refined places, so √(number of elements) replaces them in refined meshes.
     each = [None if part.mesh.refine else part.divisions for part in parts]
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
@@ -224,7 +224,7 @@ class _Wide:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A point or a straight part of a line at which half-widths exceed the request.
+    """A point or a straight part of a line at which half-widths exceed the requested accuracy.
 
     ``size`` is the element size at this place. ``part`` is the largest half-width at this place, relative to the
     largest value of its field.

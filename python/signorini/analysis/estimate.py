@@ -88,7 +88,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     found_widths = [known(width) for width in rounded(widths).tolist()]
     of_asked = iter(found_widths[count:])
     of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
-    # The end of equilibrium depends on the outlines of the supports or, if supports have limits, on the mesh's points.
+    # Equilibrium ends at a t set by outlines of supports or, if supports have limits, by contact points of the mesh.
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
     limited = path.problem.freedom.outline.limited
     if path.ending == "no_equilibrium" and limited and not widths[-1] <= LINEAR * path.limit:

@@ -30,8 +30,8 @@ _MOVED = 1e-9
 of t changes the work by about this part of the sum.
 """
 _AT = 1e-12
-"""Rounding error of t at an event, relative to t. Where the loads at t = 0 and t·add cancel, this part of either load
-remains.
+"""Rounding error of t at an event, relative to t. If the loads at t = 0 and t·add cancel, their sum is not zero but
+this fraction of each load.
 """
 _SAMPLES = 11
 """Number of equal intervals into which the stops are divided; direct solutions check the stops at their ends."""

@@ -97,7 +97,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # At the event itself rounding may open or close points, so the stop gets the closed part just after it.
+            # At the t of an event rounding decides contact: store the fraction of points in contact just after it.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)

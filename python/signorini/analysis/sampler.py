@@ -299,7 +299,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
-    # Where a pushing support has reached its force limit, the distance to its law grows in the opposite direction.
+    # Upward motion of the plate increases |gap| of an open point and decreases |gap| of a point at its force limit.
     beyond = np.where(first.reaction > 0.0, -opening, opening)
     ends = pressed & presses_otherwise
     for counts, value, rate in (

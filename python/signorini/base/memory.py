@@ -20,7 +20,7 @@ elements; slabs without congruent elements take 300 more.
 """
 
 _DISCRETISED = 1200.0
-"""Bytes per dof on MPI rank 0 for mesh and arrays, before K is factored; slab A took 1100 with one million dofs."""
+"""Bytes per dof on MPI rank 0 for mesh and arrays before K is factored; a slab of one million dofs took 1100."""
 
 _MACHINES: ContextVar[int] = ContextVar("machines", default=1)
 

@@ -120,7 +120,7 @@ class Listed(tuple[_V, ...]):
 
     def _ipython_key_completions_(self) -> list[str]:
         """Return the names, for completion in a notebook."""
-        return [item.name for item in self]  # type: ignore[attr-defined]  # Every item has a name.
+        return [item.name for item in self]  # type: ignore[attr-defined]  # Items of this tuple have a name.
 
 
 class Named(dict[str, _V]):

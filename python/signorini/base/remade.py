@@ -42,7 +42,7 @@ class Brief:
 
     def __repr__(self) -> str:
         """Show every public field, except fields with ``repr=False``."""
-        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # Subclasses are dataclasses.
+        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # Each subclass is a dataclass.
         shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
@@ -109,7 +109,7 @@ class Remade(Brief):
         return made
 
     def _names(self) -> list[str]:
-        return [field.name for field in fields(self)]  # type: ignore[arg-type]  # Subclasses are dataclasses.
+        return [field.name for field in fields(self)]  # type: ignore[arg-type]  # Each subclass is a dataclass.
 
     if not TYPE_CHECKING:  # Hide ``__getattr__`` from type checkers, which would otherwise accept any attribute.
 

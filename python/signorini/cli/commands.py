@@ -550,7 +550,7 @@ def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[
 
 @contextmanager
 def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
-    """Context with the temporary directory for results of ``room``; with the engine petsc ``room`` is only checked.
+    """Context with the temporary directory that ``room`` makes; None with petsc, where it is only tried.
 
     If an MPI rank dies, MPI kills the other ranks at once, so that no rank could remove a temporary directory.
     """

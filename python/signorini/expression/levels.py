@@ -131,11 +131,11 @@ class Drawing:
     circles: tuple[tuple[float, float, float], ...] = ()
 
     def radii(self, center: tuple[float, float]) -> tuple[float, ...]:
-        """Radii of the circles of this drawing that have the given center."""
+        """Radii of the circles with the given center."""
         return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def __add__(self, other: Drawing) -> Drawing:
-        """Join the lines and circles of two drawings."""
+        """Return the lines and circles at which either of two expressions jumps."""
         return Drawing(self.x_lines + other.x_lines, self.y_lines + other.y_lines, self.circles + other.circles)
 
 

@@ -34,7 +34,7 @@ _FLAT = 1e-3
 _SEARCHES = 60
 """Largest number of evaluations of the slope in a line search."""
 _FREE = 1e-9
-"""Contact sets with a least eigenvalue of RᵀGᵀGR above this part of the largest for all points restrain the plate."""
+"""A set restrains the plate if RᵀGᵀGR has no eigenvalue below this fraction of the largest one for all points."""
 _SOFT = 1e-3
 """Stiffness of open points, relative to closed points, if the contact set does not restrain the plate."""
 

@@ -26,8 +26,8 @@ class Division:
     """Division of a mesh of n nodes and ne elements among ranks.
 
     ``owner`` (ne,) is the rank of each element. ``order`` (n,) are the mesh's nodes in the order of PETSc, rank after
-    rank, and ``place`` (n,) the number of each node in this order. ``firsts`` (ranks + 1,) are the places at which
-    ranks begin.
+    rank, and ``place`` (n,) the number of each node in this order. ``firsts`` (ranks + 1,) are the
+    numbers of the first node of each rank, then n.
     """
 
     owner: Ints
@@ -103,7 +103,7 @@ class Part:
 
 
 def parts_of(discretisation: Discretisation, division: Division, load: CaseLoad) -> Iterator[Part]:
-    """Yield the part of each rank, so that only one exists at a time."""
+    """Yield the part of each rank, one after another to save memory."""
     mesh, held = discretisation.mesh, discretisation.held
     thickness, young = discretisation.thickness, discretisation.model.young
     for rank in range(len(division.firsts) - 1):
@@ -149,7 +149,7 @@ def parts_of(discretisation: Discretisation, division: Division, load: CaseLoad)
 
 
 def _within(table: ContactPoints, number: Ints) -> tuple[ContactPoints, Ints]:
-    """Points of ``table`` in elements with ``number`` ≥ 0, renumbered by it, and the indices (m,) of these points."""
+    """Points in elements of a part, and their indices (m,) in ``table``; ``number`` is -1 for other elements."""
     which = number[table.rows.elements] >= 0
     kept = table.pick(which)
     rows = Rows(number[kept.rows.elements], kept.rows.coefficients)

@@ -64,7 +64,7 @@ class Ranks:
         own = next(every)
         for rank in range(1, self.count):
             self._sending.send((name, next(every)), rank)
-        # Ends the generator of arguments, which may refer to large arrays.
+        # Run the generator of arguments to its end, so that it releases its large arrays.
         next(every, None)
         return self._gathered(name, own)
 

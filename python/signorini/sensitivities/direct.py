@@ -66,9 +66,9 @@ the step times the largest number of the same kind, such as all moments."""
 _AT_END = 1e-12
 """Distance of a point from the end of its law's piece that counts as 0, relative to its reference force or travel."""
 _REACHED = 1e-7
-"""Least rate of a margin at which a point leaves the end of its piece, relative to its reference force or travel."""
+"""Least derivative of a margin at which a point leaves its piece, relative to its reference force or travel."""
 _STILL = 1e-8
-"""Largest rate of a point's margin that counts as rounding, relative to the point's reference force or travel."""
+"""Largest derivative of a margin that counts as rounding, relative to the point's reference force or travel."""
 
 
 class _State(NamedTuple):
@@ -123,9 +123,9 @@ class _Variant:
 
 
 class _Rates(NamedTuple):
-    """Rates of all k numbers for one parameter, per its reference size; ``kinks`` (k,) marks numbers with a kink.
+    """Derivatives of k numbers by one parameter, per its reference size; ``kinks`` (k,) marks numbers with a kink.
 
-    ``valid`` is the parameter's range without a change of pieces; ``leaves`` says whether a point leaves at once.
+    ``valid`` is the parameter's range in which points keep their pieces; ``leaves``: a point leaves its piece at once.
     """
 
     size: float
@@ -136,7 +136,7 @@ class _Rates(NamedTuple):
 
 
 class Direct:
-    """Derivatives of all numbers of one combination, on the pieces of its answer."""
+    """Derivatives of all numbers of one combination, with points on the pieces of laws as in its answer."""
 
     def __init__(self, problem: ContactProblem, combination: Combination) -> None:
         # Each variant tightens the bolts again, and therefore starts from the gaps before tightening.
@@ -190,7 +190,7 @@ class Direct:
         return Sensitivity(number.name, value, unit, combination.name, lambda: self.input.paths(combination), compute)
 
     def rates(self, one: Parameter) -> _Rates:
-        """Rates of all numbers for one parameter, computed once."""
+        """Derivatives of all numbers by one parameter, computed once."""
         if one not in self._found:
             self._found[one] = self._rates(one)
         return self._found[one]

@@ -32,7 +32,7 @@ _SIGNED = frozenset(
 )
 """Keys whose values may be 0 or change sign."""
 _LINEAR = _SIGNED - {"nu", "nu_xy", "D1"} | {"preload", "unit_weight", "limit"}
-"""Keys on which the state depends linearly, for a fixed contact state: of loads, gaps, preloads and limits."""
+"""Keys of loads, gaps, preloads and limits; u and λ depend linearly on them for a fixed contact state."""
 _CASE = re.compile(r'case\.(?:"([^"]+)"|(.+))\.factor')
 
 

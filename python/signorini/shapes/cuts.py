@@ -88,7 +88,7 @@ class CutLine:
         shares = distance <= distance.min(axis=1)[:, None] + self.touching
         pick = np.arange(len(points)), piece
         beyond = station[pick] - on_piece[pick]
-        # A point on the outer side of a corner projects onto neither segment: it lies beyond the end of both.
+        # A point on the outer side of a corner projects beyond the ends of both segments: use the sum of their normals.
         other = (piece + np.where(beyond > 0.0, 1, -1)) % len(self.lengths)
         both = self.normals[piece] + self.normals[other]
         corner = self.begin[piece] + on_piece[pick][:, None] * self.along[piece]

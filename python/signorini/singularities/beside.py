@@ -112,7 +112,7 @@ class Face:
         return cls(outline, (rows[0], rows[1]))
 
     def moment(self, moment: Floats, values: Floats) -> Floats:
-        """Moments (q, 3) in the column: means of ``moment`` (s, 3) at stress nodes, or ``values`` without a line."""
+        """Moments (q, 3) in the column: means of ``moment`` (s, 3) along its lines; ``values`` if it has no line."""
         x, y = (of @ moment for of in self.rows)
         result = values.copy()
         for axis, of in enumerate((x[:, 0], y[:, 1], np.concatenate([x, y])[:, 2])):

@@ -53,7 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # A line load normal to an edge has a mirror image: of equal sign at a free edge, of opposite sign at a held edge.
+    # A line load normal to an edge is mirrored at it: equal sign at a free edge, opposite sign at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 

@@ -37,8 +37,8 @@ _DEFLECTIONS = 500_000
 """Largest number of means beside singularities that are in memory at once (4 MB)."""
 _FEW_POINTS = 100
 _MOST_POINTS = 500
-"""Limits for the number of contact points. Up to the first limit, responses of all points are always computed; above
-the second limit never, since they would need too much memory.
+"""Limits for the number of contact points. Up to the first limit, responses to unit forces at all points are always
+computed; above the second limit never, since they would need too much memory.
 """
 _BALANCED = 1e-10
 """Largest relative balance error of a sum of responses. With a larger error the combination is solved by itself, after
@@ -78,7 +78,7 @@ class Combined(Brief):
     solved: int
     """Number of combinations with an equilibrium."""
     alone: int
-    """Number of combinations solved by themselves, since no sum of responses was certified."""
+    """Number of combinations solved by themselves, since their sum of unit-load responses was not certified."""
     not_unique: int
     """Number of combinations whose reactions are not unique; the table has their least-norm reactions."""
     certificate: Mapping[str, float]
@@ -95,7 +95,7 @@ class Combined(Brief):
         return self.groups[group] if group else self.envelope
 
     def any_solved(self, group: str = "") -> bool:
-        """Whether some combination of a group has an equilibrium; for ``group=""`` some of all combinations."""
+        """Whether at least one combination of a group has an equilibrium; ``group=""`` means all combinations."""
         return group in self.groups if group else self.solved > 0
 
     @property
@@ -176,9 +176,9 @@ class _Run:
         self.problem, self.single, self.several = ways
         self.layout, discretisation = layout, self.problem.discretisation
         self.terms: Terms | None = None
-        # If dependent rigid rows hold the same nodes, the distribution of their forces is never unique.
+        # If several supports hold the same nodes, the distribution of reactions among them is never unique.
         self._always = "reactions" if discretisation.held_together else ""
-        # Responses of all contact points are computed only if this saves time and if they fit into memory.
+        # Responses to unit forces at all contact points are computed only if they save time and fit into memory.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
         worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
         if self.several is not None and self.problem.method == "lemke" and worth_while:
@@ -242,7 +242,7 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        # In the problem's plates the bolts are tightened; the layout's plates are those before tightening.
+        # Use the problem's plates, whose bolts are tightened; bolts of the layout's plates are not.
         plates = self.problem.discretisation.members
         for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
             points = plate.points

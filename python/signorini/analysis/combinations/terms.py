@@ -109,8 +109,8 @@ def _units(discretisation: Discretisation) -> Floats:
 class Proof:
     """Data from which the certificate errors of sums of terms are computed.
 
-    ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows times rigid motions. ``grip`` (m, 1) is the
-    largest entry of each contact row.
+    ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows of G times rigid motions. ``grip`` (m, 1) is
+    the largest entry of each contact row.
     """
 
     discretisation: Discretisation
