@@ -8,7 +8,7 @@
 //!   single dofs, and it is the better conditioned form on long rigid lines of thin plates.
 //!
 //! - *flexibility*: (I − P̃δ)Δs + P̃Δr = d with P̃ = GK̃⁻¹Gᵀ and d = GK̃⁻¹f. δ = 0 gives the dual form of
-//! docs/theory.md.
+//!   docs/theory.md.
 //!
 //! Both forms read AΔs + RΔr = b. A point on a piece has one unknown x: its force if this depends on the travel,
 //! otherwise its travel. The column of x is A/k + R for a force, with k the slope of the piece, and A for a travel. A
