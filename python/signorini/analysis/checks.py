@@ -128,7 +128,7 @@ def judged(
 
 
 def _place(result: Result, index: int) -> tuple[float, float] | str:
-    """Position of the extreme that governs a check in one combination; else the name of the number's object."""
+    """Position of the number that governs a check in one combination, or the name of its support, section or probe."""
     numbers: tuple[Number, ...] = result.catalogue.numbers
     own = next(one for one in checks_in(result.catalogue) if numbers[one.utilisation].owner == index)
     one: Number = numbers[own.measured[own.governing(result.numbers[None])[0][0]]]

@@ -45,8 +45,8 @@ class PathLoads:
     loads: tuple[CaseLoad, CaseLoad]
     """Load at t = 0, and load added per unit of t."""
     limits: tuple[float, float]
-    """Largest t with equilibrium: if reactions act anywhere within the supports' outlines, and if they act at the
-    points of the mesh."""
+    """Two largest t with equilibrium: first with reactions anywhere within the supports' outlines, then with reactions
+    at the contact points of the mesh."""
 
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:

@@ -28,10 +28,10 @@ _PER_PAIR = 200.0
 """Bytes of condensed matrices and Lemke's tableau per pair of contact points, measured with 1600 and 3025 points."""
 
 _PER_FOOTPRINT = 300.0
-"""Bytes per footprint and √dofs of the rows of G of supports with footprints, after forward substitution.
+"""Memory of the rows of G of supports with footprints after forward substitution: bytes / (footprints · √dofs).
 
-Forward substitution with the factor makes a few times √dofs nonzero columns in such a row. A plate of 900 footprints
-and 232 thousand dofs took 270.
+After forward substitution with the factor such a row has a few times √dofs nonzero columns. A plate of 900 footprints
+and 232 thousand dofs needed 270 bytes / (footprints · √dofs).
 """
 
 _PER_THREAD = 1.0e9

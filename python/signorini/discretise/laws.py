@@ -197,8 +197,7 @@ class Law:
         result = []
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
-            # The number of vertices with smaller forces is the index of the piece with the least travel at a force.
-            # The number of vertices with smaller or equal forces is the index of the piece with the largest travel.
+            # Several pieces may have this force. Side "left" gives the one with the least travel, "right" the largest.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)

@@ -12,7 +12,7 @@ from signorini.design import en1992_bending as en1992
 from signorini.model.base import Complaint, Flag, NonNegative, Positive, Table, vector
 
 _PLAIN = 1e-6
-"""Largest tensile stress at a face without required bars, relative to fctm; it covers rounding errors."""
+"""Tolerance, relative to fctm: a face with a smaller tensile stress requires no bars. The stress is then rounding."""
 
 Distances = Annotated[tuple[Positive, Positive], *vector(2, "two distances [dx, dy]")]
 

@@ -670,7 +670,7 @@ class Catalogue:
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             for one in of_support(support):
-                # The number of closed nodes depends on the mesh, so it has no half-width.
+                # Numbers of closed nodes have no half-width (±): they do not converge as the mesh is refined.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
