@@ -2,7 +2,8 @@
 
 The models are those of tests/fuzz/path_models.py. Conditions on a path from event to event:
 
-- it continues while reactions at the mesh's contact points balance the load, by an independent linear program;
+- it continues while reactions at the mesh's contact points balance the load, by an independent linear program, or
+  until the load at t = 0 is smaller than the rounding of t times the growing load;
 - it ends where reactions cease to balance the load, or continues without limit if a direct solution at large t exists;
 - inside every segment the direct solution by the other method, Lemke's algorithm or the active set, is certified and
   has the same deflections where these are unique;

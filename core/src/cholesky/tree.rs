@@ -142,8 +142,8 @@ impl Groups {
                 }
             }
         }
-        // A merged group belongs to a group of higher number. In descending order the final target of that group is
-        // known.
+        // `into[group]` is the group into which it is merged; that one has a higher number or is the group itself. In
+        // descending order the final group of every higher number is already known.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }

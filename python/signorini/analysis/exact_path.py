@@ -180,9 +180,10 @@ class PathJudge:
             self.certificates.append(certificate)
         count = len(least)
         switched, several = [], bool(result.shared) or self.problem.freedom.count > 0
+        following = [*waiting[1:], *self._waiting[:1]]
         for row, one in enumerate(least):
-            following = [*waiting, *self._waiting][row + 1 : row + 2]
-            after = self._between(waiting[row], following[0]) if following and several else one.piece
+            goes_on = row < len(following) and at[row] < following[row][0]
+            after = self._between(waiting[row], following[row]) if several and goes_on else one.piece
             changed = points[row] if self._shown is None else np.flatnonzero(after != self._shown)
             switched.append(Switched(changed, (after if self._shown is None else self._shown)[changed], after[changed]))
             self._shown = after
@@ -215,8 +216,6 @@ class PathJudge:
         At a stop, points that open there are still closed in the least-norm answer.
         """
         (t, _, one), (next_t, _, other) = begin, end
-        if t == next_t:
-            return one.piece
         middle = 0.5 * (t + next_t)
         names = ("hi", "lo", "reaction", "gap", "shared")
         mean = replace(one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in names})

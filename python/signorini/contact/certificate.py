@@ -134,9 +134,10 @@ def certify(
 ) -> Certificate:
     """Certify displacements u = ``hi + lo`` (3n,) and reactions λ (m,) of contact points under a load.
 
-    Each array of ``pieces`` (m,) prescribes the piece of each point's law: the distance of the answer from this piece
-    counts as complementarity error. If two answers are certified on the same pieces, all linear combinations between
-    them are certified. ``beside`` are the loads whose sum is ``load``: where they cancel, their rounding is tolerated.
+    ``pieces`` are contact states: each array (m,) has the piece of each point's law. The answer must lie on all of
+    these states; the largest distance from a piece counts as complementarity error. If two answers are certified on the
+    same state, all answers between them are certified. ``beside`` are the loads whose sum is ``load``: where they
+    cancel, their rounding is tolerated.
     """
     sets = [set_of_pieces[None] for set_of_pieces in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]

@@ -284,7 +284,7 @@ def _least_holding(
     least = minimise(cost, balance, (resultant / total, resultant / total), (0.0, np.inf))
     if least is None or least[0] > _COARSE:
         return None if least is None else total * float(least[0])
-    # A least load within the linear program's tolerance is computed again from the extreme rays.
+    # The load is so small that the tolerance of the linear program decides: compute it from extreme rigid motions.
     rays = allowed_motions(freedom.outline)
     if rays is None:
         return None

@@ -34,7 +34,10 @@ _FLAT = 1e-3
 _SEARCHES = 60
 """Largest number of evaluations of the slope in a line search."""
 _FREE = 1e-9
-"""A set restrains the plate if RᵀGᵀGR has no eigenvalue below this fraction of the largest one for all points."""
+"""Smallest eigenvalue of RᵀGᵀGR, with rigid motions R and the rows G of a contact set, if the set restrains the plate.
+
+It is relative to the largest eigenvalue with the rows of all contact points.
+"""
 _SOFT = 1e-3
 """Stiffness of open points, relative to closed points, if the contact set does not restrain the plate."""
 

@@ -110,8 +110,9 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
 _LINES |= {"as_x": [0], "as_y": [1]}
-"""Indices of the lines of `Beside` along which means of a field are taken, by the field's name without "_top" or
-"_bottom". For moments not listed both lines through the point are used.
+"""Indices of the lines of `Beside` for the means of each field at a singular point.
+
+Keys are names of fields without "_top" or "_bottom". All other fields of moments have means along lines 0 and 1.
 """
 
 

@@ -6,8 +6,8 @@ use crate::contact::points::Points;
 /// The rows of the LCP: one for each vertex of the law of each contact point. A row describes the motion of a point
 /// past this vertex, away from its first piece.
 pub struct Vertices {
-    /// The k rows, ordered by kind of their unknown z: gaps of points that start in contact, reactions of points that
-    /// start open, then further vertices.
+    /// The k rows. First are rows whose unknown z is the gap of a point that starts in contact, then rows whose z is the
+    /// reaction of a point that starts open, then rows of all other vertices.
     pub rows: Vec<VertexRow>,
     /// For each point (m,), the number of its first piece: the piece of the law on which it starts in the LCP.
     pub(super) base: Vec<u8>,
