@@ -98,11 +98,7 @@ def compared(elements: Sequence[int], asked: bool) -> str:
     ('± estimates the mesh error (meshes of 64, 16 and 4 elements).', 'The mesh error is not known: no ±.')
     """
     if not elements:
-        return (
-            "The mesh error is not known: no ±."
-            if asked
-            else "The mesh error is not estimated (mesh.error = false): no ±."
-        )
+        return "The mesh error is not known: no ±." if asked else "The mesh error is not estimated: no ± (mesh.error)."
     sizes = f"{', '.join(map(str, elements[:-1]))} and {elements[-1]}"
     return f"± estimates the mesh error (meshes of {sizes} elements)."
 
