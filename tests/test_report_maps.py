@@ -352,14 +352,20 @@ def test_a_load_path_has_a_slider(opened: Opened) -> None:
     slider = shown.page.get_by_label("Load factor")
     slider.fill("0")
     slider.press("ArrowRight")
-    state = shown.js("await new Promise((done) => setTimeout(done, 100)); return v.state")
     stops = [one for one in shown.data.header["states"] if one["kind"] == "stop"]
-    assert state["t"] == stops[1]["t"]
+    shown.page.wait_for_function(f"(t) => {{ {WHOLE} return v.state.t === t }}", arg=stops[1]["t"])
     shown.show(field="deflection")
     result = path.at(stops[1]["t"])
     most = result.extremes["deflection"]
     about = shown.about("deflection", shown.data.header["states"].index(stops[1]))
     assert shown.hover(*most.max_at).split()[0] == said(most.max, about)
+
+
+def test_two_choices_in_quick_succession_both_count(opened: Opened, slab: Results) -> None:
+    shown = opened(map_data(slab))
+    state = shown.state("SLS")
+    shown.js("v.show({ field: 'mx' }); await v.show({ state: a })", state)
+    assert shown.js("return [v.at.field, v.at.state]") == ["mx", state]
 
 
 def test_a_phone_shows_the_whole_map(opened: Opened, slab: Results) -> None:

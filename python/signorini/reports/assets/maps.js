@@ -486,7 +486,7 @@
       const shown = { own: Boolean(data.path), mesh: false, loads: false, cuts: true, supports: true, numbers: true };
       const store = new Store(content.textContent.trim(), blobs), pointers = new Map(), lines = new WeakMap();
       for (const field of fields) field.words = texts[field.name] || field.words;
-      Object.assign(this, { root, data, store, texts, at, angles, pointers, lines, with: shown, plates: [], view: null });
+      Object.assign(this, { root, data, store, texts, at, asked: at, angles, pointers, lines, with: shown, plates: [], view: null });
       this.build();
       this.ready = this.show({});
     }
@@ -616,9 +616,10 @@
 
     async show(wanted) {
       const turn = this.turnCount = (this.turnCount || 0) + 1;
-      const at = { ...this.at, ...wanted };
+      const at = this.asked = { ...this.asked, ...wanted }; // includes what an earlier, unfinished call asks for
       try { this.plates[at.plate] ||= await Plate.of(this.data.plates[at.plate], this.store); } catch (error) {
         this.notes.textContent = this.texts.none;
+        this.asked = this.at;
         throw error;
       }
       if (turn !== this.turnCount) return this.ready;
