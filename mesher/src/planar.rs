@@ -50,7 +50,7 @@ pub const NEAR: f64 = 0.55;
 /// Sine of the smallest angle (25°) between a line that element sides follow and the curve at which the line ends.
 const SLANT: f64 = 0.42;
 
-/// Number of sample points per length `NEAR` · element size, along a line of which element sides may follow parts.
+/// Number of sample points per length `NEAR` · element size, along a line that element sides are to follow.
 const STATIONS: f64 = 4.0;
 
 /// Begin or end of a part of a line that is being added; `share` is the fraction of the line's length.

@@ -7,7 +7,7 @@ use crate::geometry::{Point, between, distance, nearest_share};
 pub struct Segment {
     pub a: Point,
     pub b: Point,
-    /// Number that [`Tree::least`] adds to the distance from this segment.
+    /// Number added to the distance of a point from this segment; [`Tree::least`] returns the least of these sums.
     pub weight: f64,
     pub owner: usize,
 }

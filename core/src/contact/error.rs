@@ -63,7 +63,7 @@ impl From<OutOfMemory> for SolveError {
 }
 
 impl From<LcpError> for SolveError {
-    /// An LCP with entries that are not finite comes from a singular contact state.
+    /// [`SolveError::Unsolved`] for an LCP with infinite or undefined entries: its contact state is singular.
     fn from(error: LcpError) -> Self {
         match error {
             LcpError::OutOfMemory => Self::Factor(FactorError::OutOfMemory),

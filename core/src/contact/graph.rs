@@ -107,8 +107,8 @@ impl Graph {
                 return Piece { travel, force, slope };
             }
             let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
-                // The travel without force is `base` − `back`, each a multiple of the travel of one vertex. So it is
-                // exactly zero for vertices symmetric about the origin.
+                // The piece's line has r = 0 at s = `base` − `back`. Each of the two is a multiple of the travel of one
+                // vertex, so that their difference is exactly zero for vertices symmetric about the origin.
                 Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
                 None => (travel, force / slope),
             };

@@ -179,7 +179,7 @@ impl Responses<'_> {
         Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
     }
 
-    /// Computes the residuals of equilibrium and of prescribed displacements, and stores them in `draft`.
+    /// Computes the residuals of a response (equilibrium, prescribed displacements) and stores them in its `draft`.
     fn judge(&self, draft: &mut Draft) {
         let Response { displacement, reaction, .. } = &draft.response;
         // Before the first correction all displacements are zero, except those of held dofs.

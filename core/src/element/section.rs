@@ -175,7 +175,7 @@ impl Thickness {
         }
     }
 
-    /// All thicknesses, including those at the points of elements in which the thickness jumps.
+    /// The constant thickness, or the thicknesses at all points of all elements.
     pub fn all(&self) -> &[f64] {
         match self {
             Self::Constant(thickness) => std::slice::from_ref(thickness),

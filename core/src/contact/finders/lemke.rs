@@ -56,9 +56,9 @@ pub(in crate::contact) fn by_lemke(
         }
         solution.measure_gaps(&problem.points, &residual);
         if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
-            // Refuses a solution with a large residual: its contact state is singular, and only rounding made the
-            // equations regular. If no load acts, the reference force is the rounding of the forces that settlements
-            // cause.
+            // Refuses a solution with a large residual: the equations of its contact state are singular, and only
+            // rounding made their solution possible. Without load, the residual is relative to the rounding of the
+            // forces that settlements cause.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);
             return solution.require_solved(problem, load, &residual, least);
         }

@@ -1,4 +1,4 @@
-//! Reports the stops of a path to a callback.
+//! Passes the stops of a load path, in order of t, to a callback.
 
 use super::line::{Line, Scales};
 use super::load::{PathEnd, Stop};
@@ -19,7 +19,7 @@ pub(super) struct PathRecorder<'a> {
 }
 
 impl<'a> PathRecorder<'a> {
-    /// Makes a recorder with `first`, the solution at t = 0, as stored solution.
+    /// A recorder that starts from `first`, the solution at t = 0.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
         let none = vec![0.0; first.gap.len()];
         let scales = Scales { force: none.clone(), travel: none };

@@ -41,7 +41,7 @@ pub(super) fn system_of<'a>(problem: &ContactProblem, solution: &'a ContactSolut
     solution.system.as_ref().filter(|system| Arc::ptr_eq(&system.pattern, &problem.pattern))
 }
 
-/// Record of the residual at the largest penalty. It shows whether the iteration still makes progress.
+/// Count of Newton steps without progress of the residual, kept at the largest penalty.
 struct Stagnation {
     /// Number of successive steps with little reduction of the residual.
     stalled: usize,
