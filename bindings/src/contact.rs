@@ -34,7 +34,8 @@ pub struct ContactProblem {
 struct ContactPoints<'py> {
     elements: PyReadonlyArray1<'py, i64>,
     rows: PyReadonlyArray2<'py, f64>,
-    /// For each of the last q entries of `elements` and `rows`, the number of the row (q,) that it continues.
+    /// Row number (q,) of each of the last q entries of `elements` and `rows`. These have m + q entries, since a row that
+    /// acts on several elements has one entry for each element.
     further: PyReadonlyArray1<'py, i64>,
     distance: PyReadonlyArray1<'py, f64>,
     law: PyReadonlyArray1<'py, i64>,

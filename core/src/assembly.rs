@@ -18,7 +18,7 @@ pub struct Numbering {
     pub column: Vec<usize>,
     /// Dof of each column. For the column of multiplier row i the entry is the number of dofs plus i.
     pub dof: Vec<usize>,
-    /// Number of columns of contact dofs. These columns are the last ones.
+    /// Number of contact dofs. Their columns are the last ones.
     pub trailing: usize,
 }
 

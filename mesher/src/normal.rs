@@ -129,8 +129,8 @@ impl Normal {
         (own, given)
     }
 
-    /// Lines in normal form, each with its `in_part`, and the original lines. They are ordered by rank, then by
-    /// coordinates. Degenerate arcs are left out.
+    /// Lines in normal form, each with its `in_part`, and the same lines in original coordinates. They are ordered by
+    /// rank, then by coordinates. Arcs through collinear points are left out.
     pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
         let mut result: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
         for &Line { mut ends, through, rank, in_part } in lines {

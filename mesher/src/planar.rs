@@ -113,7 +113,7 @@ impl<'a> Planar<'a> {
 
     /// The vertices, and the pieces between them. A vertex without a piece is a point from `follow_point`.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
-        // The numbers of vertices and pieces depend on coordinates, not on the order in which lines were added.
+        // Vertices are numbered by their coordinates, so that the order in which lines were added has no effect.
         let sides = self.outline.sides.len();
         let mut result: Vec<usize> = (0..self.vertices.len()).collect();
         result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));

@@ -80,7 +80,7 @@ pub struct Factor {
     pattern: Arc<Pattern>,
     /// Entries of L, one array for each part of the elimination tree.
     values: Vec<Vec<f64>>,
-    /// Columns whose sign in S is −1.
+    /// Columns with a negative pivot; their entry in S is −1.
     negative: Vec<u32>,
     weakest_pivot: WeakestPivot,
 }

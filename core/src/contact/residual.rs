@@ -114,7 +114,7 @@ impl Sizes {
 }
 
 impl ContactProblem {
-    /// The residual after forward substitution, condensed onto the contact points.
+    /// The residual forces of a solution, condensed onto the contact points by forward substitution.
     pub(super) fn reduced(
         &self,
         interface: &Interface,

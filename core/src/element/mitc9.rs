@@ -128,7 +128,7 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let [xi, eta] = rows.each_mut();
     for dof in 0..ALL_DOFS {
         let change = |row: &[[T; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
-        // The edge values contribute `skew` · `edges` to the mean shear; the fifth parameter gives the rest.
+        // The mean shear is `skew` · `edges`, from the shears at the edges, plus the fifth parameter.
         let edges = (change(xi) - change(eta)) / number(12.0 * GAUSS);
         xi[4][dof] -= skew[0] * edges;
         eta[4][dof] -= skew[1] * edges;
