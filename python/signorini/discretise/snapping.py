@@ -21,9 +21,9 @@ from signorini.shapes.extent import Tolerances, diameter
 from signorini.shapes.outlines import Point
 
 _PASSES = 8
-"""Largest number of passes over all items.
+"""Largest number of passes over all supports, zones and loads.
 
-Each pass moves the targets too; the distances converge quadratically.
+A pass also moves geometry onto which others were moved; the remaining distances converge quadratically.
 """
 
 _Item: TypeAlias = Support | Zone | Load

@@ -27,10 +27,10 @@ _BESIDE = 2e-3
 """Distance from a step of the thickness at which its two sides are evaluated, in reference coordinates."""
 
 _SHORT = 1e-3
-"""Least length of a piece of a step, relative to the element size; shorter pieces have no accurate direction."""
+"""Least length of a piece of a thickness step, relative to the element; shorter pieces have no accurate direction."""
 
 _SOFTEST = 1e-9
-"""Least rigidity across a step, relative to the rigidity along the step.
+"""Least rigidity across a step of the thickness, relative to the rigidity along the step.
 
 Smaller values are lost in rounding if the step is oblique.
 """
