@@ -203,7 +203,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
 
     λ is the stiffness per area of a bed under the whole plate that resists a motion as the supports do.
     """
-    # Rigid motions that no support resists (mechanisms) are reported by another check.
+    # Rigid motions that no support resists (mechanisms) are reported by `rigid_freedom`.
     if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
@@ -337,7 +337,7 @@ def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
 def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, support_of: Ints) -> Bools:
     """Mask (q,) of points that lie on the area ``floor`` and can act against it; points of areas must lie inside it."""
     may = np.array([support.between == floor.between for support in model.support], np.bool_)
-    # A line that holds its slope carries a moment without other supports.
+    # A line that holds its slope carries a moment by itself, without opposite reactions of the area.
     may &= [support.at is not None or "slope" not in support.fixed for support in model.support]
     if floor.where.region is None:
         return np.asarray(may[support_of])

@@ -380,7 +380,7 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (not support.is_elastic or support.at is not None):
-            continue  # Supports at points and rigid lines evaluate formulas only at listed points or nodes.
+            continue  # Supports at points and rigid lines evaluate formulas only at their points.
         items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]

@@ -2,9 +2,9 @@
 
 The plate is a rigid body here, and no matrix is factored. Reactions of one-sided supports have a sign. By Farkas' lemma
 they balance the load exactly if the load does no positive work in any rigid motion that all supports allow. A linear
-program in at most three unknowns finds the motion with the most work. Supports extend to their outlines, independently
-of the mesh. A plate tips about the line of the allowed motion with the most work per rotation. This work is the missing
-moment: by duality, the least couple with which reactions would balance the load.
+program in at most three unknowns per plate finds the motion with the most work. Supports extend to their outlines,
+independently of the mesh. A plate tips about the line of the allowed motion with the most work per rotation. This work
+is the missing moment: by duality, the least couple with which reactions would balance the load.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Quadrature over the intersection of each element with a region.
 
 An element is cut into strips along y at every corner, turning point and crossing of its sides and the region's outline.
-Within a strip these curves neither begin, end nor cross. So the domain is bounded below and above by one smooth curve
-each, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
+Within a strip these curves neither begin, end nor cross. So each cell between two of them has one smooth curve below
+and one above, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
 height-function quadrature of Saye (2015). Cells are bisected until area and first moments have converged.
 """
 
@@ -37,7 +37,7 @@ _SLIVER = 1e-12
 _ALONG = 1e-9
 """Largest distance of nodes from a circle that the mesh follows, relative to the mesh's size."""
 _CONVERGED = 1e-13
-"""Convergence tolerance for area and moments of bisected cells, relative to the area of element's box or region."""
+"""Convergence tolerance for moments of bisected cells, relative to the area of the element's box or region."""
 _CURVED_POINTS = 8
 """Number of Gauss points along x in a cell bounded by curves."""
 _BISECTIONS = 40
