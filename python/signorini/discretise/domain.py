@@ -424,7 +424,7 @@ def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None
 
 
 def _name(support: Support, drawn: _Rigid, position: Floats) -> str:
-    """Name for messages of the edge, line or area of a support that is nearest to a position (2,)."""
+    """Text that names the edge, line or area of a support that is nearest to a position (2,)."""
     apart = {name: float(target.nearest(position[None])[1][0]) for name, target in drawn.edges.items()}
     part = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
     return f"the {part} of {support.name}, {format_place(('support', drawn.index, support.place))}"

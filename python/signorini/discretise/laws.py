@@ -91,7 +91,7 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
-            # The core locates the zero of the force by the same operations, so that both agree to the last bit.
+            # The core finds the zero of the force by the same operations: Python and core agree to the last bit.
             terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
                 beyond, above = self.vertices[piece]

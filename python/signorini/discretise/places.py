@@ -331,7 +331,7 @@ def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> Ou
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # In an area of one or two elements, the points kept so far may all be on one line, and resist one slope only.
+        # In an area of one or two elements, points `_APART` apart may all be on one line, and resist one slope only.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 

@@ -141,7 +141,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Tables (laws, p) of all pieces: slope, force at the corner, mask of end pieces; force ranges (laws, p, 2)."""
+        """Tables (laws, p) of all pieces: slope, force at its vertex, mask of end pieces; force ranges (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))

@@ -49,7 +49,7 @@ class Rigidity:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, factor: float) -> Self:
-        """Rigidity of Young's modulus E, Poisson's ratio nu, and the shear correction factor."""
+        """Rigidity of an isotropic plate with Young's modulus E, Poisson's ratio nu and a shear correction factor."""
         d = E / (12 * (1 - nu**2))
         bending = d * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
         return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))

@@ -144,7 +144,7 @@ def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
     deciding = [np.zeros(0, np.int64)]
-    # With several plates, each support has its own hull, since supports may belong to different plates.
+    # With several plates, each support has a convex hull of its own, since it may belong to another plate.
     groups = supports if discretisation.plates else np.zeros_like(supports)
     for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
         members = np.flatnonzero((groups == group) & (directions == direction))

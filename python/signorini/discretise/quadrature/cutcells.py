@@ -27,9 +27,9 @@ from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 _STRAIGHT = 1e-14
-"""Largest bend of a side that counts as straight, relative to its coordinates."""
+"""Largest quadratic term of a side that counts as straight, relative to its coordinates."""
 _THIN = 1e-13
-"""Least strip width and covered area, relative to the element; least weight of a point, relative to its cell."""
+"""Strips, covered areas and weights of points up to this part of the element or cell are left out as rounding."""
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Least width of a strip, relative to the element's coordinates: ends of neighbouring sides differ by rounding."""
 _SLIVER = 1e-12
