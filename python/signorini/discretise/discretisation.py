@@ -113,7 +113,7 @@ class Discretisation(Remade):
         return parts_of(len(self.model.support), self.held.nodes, self.held.points, self.springs, self.points)
 
     def made(self) -> _core.Plate:
-        """Make the core's element data; several plates share one table of elements."""
+        """Make the core's element data of the plate, or of all plates joined."""
         return plate_of(self.mesh, self.zones, self.thickness, self.stress_nodes, self.held)
 
     def over_dofs(self, rows: Rows) -> csr_array:
@@ -352,7 +352,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     placements = placed(model, mesh, problems)
     supports = [each for each in placements if each.support.between is None]
     loaded = loaded_sides(model, mesh, problems)
-    # If the thickness of the input is wrong, this placeholder remains, so that other problems are reported too.
+    # If the input's thickness is wrong, this placeholder is used instead, to find all other errors in the input.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     bodies = Bodies.of(mesh, zones, problems)
     held = hold(mesh, supports, bodies, problems)

@@ -29,7 +29,7 @@ from signorini.shapes.extent import Tolerances
 LONGEST = 1000.0
 """Largest aspect ratio of an element: long side over short side, or over the thickness if that is more.
 
-The stiffness across exceeds that along by the fourth power of the ratio; at 1000, four of sixteen digits remain."""
+At 1000, an element's stiffnesses in its two directions differ by 1000⁴ = 1e12: four of sixteen digits remain."""
 THICKEST = 10.0
 """Largest thickness relative to the plate's width.
 
@@ -43,7 +43,7 @@ FLOATING = 1e-10
 THIN = 1e-19
 """Least λL⁴/D of elastic supports of thin plates, relative to (L/h)²·L²/A, with λ as in `FLOATING`.
 
-Rounding of the shear stiffness acts like strains of the plate. The value was found by experiment.
+On softer supports, rounding of the plate's shear stiffness strains the plate. The value was found by experiment.
 """
 TURNING = 1e-6
 """Least λL⁴/D, with λ as in `FLOATING`, if rigid supports hold some rigid motions but not all."""
@@ -62,16 +62,16 @@ Parallel lines need a least distance. Lines at a larger angle may meet or cross:
 those of parallel lines with the least distance.
 """
 _AROUND = 64
-"""Number of directions around a point of a support in which the plate is searched."""
+"""Number of directions around a support's point in which a nearby position is tested: is it on the plate?"""
 _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
-"""Least fractions of the directions around a point in which the plate must lie: for listed points, for points of lines.
+"""Least fractions of directions around a support's point that lead onto the plate, if the plate can bend there.
 
-A smaller fraction means a point at a corner of the plate (less than 0.375, 135°), or on its edge (less than 0.625).
+The first is for listed points and excludes corners of the plate up to 135°; the second, for lines, also its edges.
 """
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
-"""Least numbers of pieces of a side and of a circle whose distances from other supports are measured.
+"""Least numbers of equal parts of a side and of a circle, at whose ends the distance from other supports is measured.
 
-The third number is about the largest number of pieces.
+The third number is the largest number of parts.
 """
 
 
@@ -136,14 +136,14 @@ def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
     width, thickest = float(mesh.element_area.sum()) / mesh.size, float(thickness.nominal.max())
     if mesh.size > (1.0 + _ROUNDING) * MAX_ASPECT_RATIO * width:
         raise InputError(
-            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest ratio in the "
-            f"domain is {MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
+            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest "
+            f"allowed ratio is {MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
             place=("plate",),
         )
     if thickest > (1.0 + _ROUNDING) * THICKEST * width:
         raise InputError(
-            f"The plate is {thickest:.6g} thick and {width:.3g} wide (area over length); the largest ratio in the "
-            f"domain is {THICKEST:g} to 1. Calculate a beam.",
+            f"The plate is {thickest:.6g} thick and {width:.3g} wide (area over length); the largest "
+            f"allowed ratio is {THICKEST:g} to 1. Calculate a beam.",
             place=("plate", "thickness"),
         )
 
@@ -203,7 +203,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
 
     λ is the stiffness per area of a bed under the whole plate that resists a motion as the supports do.
     """
-    # Rigid motions that no support resists (mechanisms) are reported by another check.
+    # Rigid motions that no support resists (mechanisms) are reported by `rigid_freedom`.
     if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
@@ -284,8 +284,8 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
 def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
     """Yield an error for each rigid one-sided area against which a rigid support presses the plate.
 
-    With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
-    reactions grow without limit as the mesh is refined.
+    The area requires w ≤ g and the support w ≥ g, or the reverse. Their opposite reactions are only one element apart,
+    and grow without limit as the mesh is refined.
     """
     every = ContactPoints.join([held.points, contacts])
     positions, support_of, value = every.positions, every.support, every.direction * every.distance
@@ -337,7 +337,7 @@ def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
 def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, support_of: Ints) -> Bools:
     """Mask (q,) of points that lie on the area ``floor`` and can act against it; points of areas must lie inside it."""
     may = np.array([support.between == floor.between for support in model.support], np.bool_)
-    # A line that holds its slope carries a moment without other supports.
+    # A line that holds its slope carries a moment by itself, without opposite reactions of the area.
     may &= [support.at is not None or "slope" not in support.fixed for support in model.support]
     if floor.where.region is None:
         return np.asarray(may[support_of])
@@ -379,7 +379,7 @@ def _in_words(model: Model, place: Place, position: Floats, distance: float, lea
 
 
 def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[InputError]:
-    """Yield an error for each pair of supports with points too near to each other; the message names the first two."""
+    """Yield an error for each pair of supports with points too near to each other, about their first such pair."""
     owners = [(i, j) for i in rigid for j in range(len(model.support[i].at or ()))]
     if len(owners) < 2:
         return
@@ -424,14 +424,14 @@ def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None
 
 
 def _name(support: Support, drawn: _Rigid, position: Floats) -> str:
-    """Name for messages of the edge, line or area of a support that is nearest to a position (2,)."""
+    """Text that names the edge, line or area of a support that is nearest to a position (2,)."""
     apart = {name: float(target.nearest(position[None])[1][0]) for name, target in drawn.edges.items()}
     part = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
     return f"the {part} of {support.name}, {format_place(('support', drawn.index, support.place))}"
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
-    """Indices of the boxes (k, 4) that touch a support's points or outline; no index for a support on edges."""
+    """Indices of the boxes (k, 4) that meet the bounding box of a support's points or outline; none for edges."""
     where = support.where
     if not where.points and where.shape is None:
         return []
@@ -473,7 +473,7 @@ def _nearest(
     rounding = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
     near = (apart > rounding) & (apart < least.max())
     if along:
-        # Only positions count at which the lines are parallel: their distance hardly changes to the next position.
+        # Only positions at which the lines are parallel count: the distance hardly changes to a neighbouring position.
         change = np.abs(np.diff(np.minimum(apart, 2.0 * float(least.max()))))
         flat = change <= _ALONG * np.hypot(*np.diff(positions, axis=0).T)
         near &= np.append(flat, True) & np.insert(flat, 0, True)

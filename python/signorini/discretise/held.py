@@ -186,7 +186,7 @@ def _rotation_of(basis: list[_Slope]) -> Floats:
 
 
 def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], position: Floats) -> None:
-    """Refuse ``slopes`` that contradict the rotation prescribed by ``basis``; nearly parallel directions are equal."""
+    """Refuse ``slopes`` that contradict the rotation prescribed by ``basis``; directions within 10° are parallel."""
     largest = max(float(np.abs(slope.rotation).max()) for slope in slopes)
     if largest == 0.0:
         return
@@ -288,7 +288,7 @@ def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Ite
         return
     nodes = nodes[numbers]
     if placed.sides is None and "slope" in support.fixed:
-        # Points hold the slopes along both axes: the normals of these two tangents are the x axis and the y axis.
+        # A support at points holds the slopes along x and y, which are the normals of these two tangents.
         tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     elif placed.sides is not None and support.holds_rotation:
         along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())

@@ -91,7 +91,7 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
-            # The core computes these differences by the same operations, so that Python and core agree to the last bit.
+            # The core finds the zero of the force by the same operations: Python and core agree to the last bit.
             terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
                 beyond, above = self.vertices[piece]
@@ -465,7 +465,7 @@ class SupportLaw:
 
     @property
     def has_curve_of_yielding(self) -> bool:
-        """Whether a curve bounds the region in which the support yields: limit and stiffness do not jump."""
+        """Whether the yielding region of the support ends at a continuous curve: limit and stiffness do not jump."""
         law, jumps = self.support.law, _jumps(self.support.limit, self.support.modulus)
         return self.support.is_elastic and not jumps and (law is None or law[0][0] >= 0.0)
 

@@ -36,7 +36,7 @@ A floating plate must not drift under the rounding of the sum.
 _BALANCED = 1e-12
 """Largest resultant of a self-equilibrated load, relative to the sum of magnitudes of its forces."""
 _NOTHING = 1e-9
-"""Largest part of a wheel's footprint off the plate that counts as rounding."""
+"""Largest fraction of a wheel's footprint off the plate that is attributed to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +247,7 @@ class Onto:
     def draw(self, along: Callable[[Levels], Quadrature]) -> None:
         """Add forces along a line.
 
-        ``along`` maps level functions to the quadrature that is divided where these change sign.
+        ``along`` is a function of level functions: it returns the line's quadrature, divided where these change sign.
         """
         whole = along(())
         self._add(whole)
@@ -301,7 +301,7 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
     """Return a pressure as function of elements and positions, linear over a footprint, with a couple as resultant."""
-    # Coordinates relative to the footprint's middle and size give three well-scaled equations.
+    # Coordinates relative to the footprint's middle and size give three well-scaled equations for the pressure.
     middle = quadrature.weights @ quadrature.positions / quadrature.total
     size = np.sqrt(quadrature.total)
 

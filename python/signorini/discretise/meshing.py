@@ -45,7 +45,7 @@ from signorini.shapes.regions import meet
 Line: TypeAlias = Region | Curve
 
 _AROUND = 12
-"""Least number of element sides around a circle."""
+"""Least number of element sides around a circular border, which sets the element size at small circles."""
 _LEAST = 0.125
 """Least element size of local refinement at borders of regions, relative to the element size of the mesh options."""
 _LEAST_BESIDE_LINES = 0.25
@@ -132,7 +132,7 @@ def sharp_corner(region: Region) -> Floats | None:
 
 
 def room_beside(model: Model, region: Region) -> float | None:
-    """Least distance of a region's sides from other lines that rows of elements follow; None if there are no rows."""
+    """Least distance of a region's sides from other lines that rows of elements follow; None without rows."""
     if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
         return None
     (x, y), (a, b) = model.plate.origin, model.plate.size
@@ -332,7 +332,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}, with more than {MOST:g} elements in this area. Take larger elements."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        # Points that require the size are two element sizes apart: element sizes between grow by at most a third.
+        # The size is required at points two element sizes apart; between these points, sizes grow by at most a third.
         x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
@@ -380,7 +380,7 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (not support.is_elastic or support.at is not None):
-            continue  # Formulas of such supports are evaluated only at nodes or at listed points.
+            continue  # Supports at points and rigid lines evaluate formulas only at their points.
         items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]
@@ -462,7 +462,7 @@ def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
     enters = np.where(still, 0.0, parameters.min(axis=0)).max(axis=1).clip(0.0)
     leaves = np.where(still, 1.0, parameters.max(axis=0)).min(axis=1).clip(None, 1.0)
     ends = begin[:, None] + np.stack([enters, leaves], axis=1)[..., None] * along[:, None]
-    # Chords entirely inside keep their exact ends.
+    # Chords entirely inside the box are kept unchanged, without rounding of their ends.
     ends = np.where(((enters == 0.0) & (leaves == 1.0))[:, None, None], chords, ends)
     return np.asarray(ends[~beside & (enters < leaves)])
 

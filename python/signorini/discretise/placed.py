@@ -208,7 +208,7 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
         indices, others = BoxTree(np.tile(taken, 2) + reach).pairs(positions)
-        # Reverse order: the first point in ``taken`` is assigned last and wins.
+        # In reverse order, the first of several points in ``taken`` within tolerance is assigned last, and remains.
         for point, other in sorted(zip(indices.tolist(), others.tolist(), strict=True), reverse=True):
             positions[point] = positions[point] if nodes[point] >= 0 else taken[other]
     if (positions == sampled.positions).all():

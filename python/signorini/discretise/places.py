@@ -37,8 +37,8 @@ from signorini.shapes.outlines import Point, along_arc
 from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
-"""Tolerance for circles that leave a sector, and for holes, relative to their size: parabolas approximate their
-outlines.
+"""Relative tolerance for parts of circles beyond a sector, and for areas over holes: elements approximate arcs by
+parabolas.
 """
 _TURN = 360
 """Number of chords of a full circle; their distance from the circle is at most 4e-5 of the radius."""
@@ -54,7 +54,7 @@ Circles are replaced by polygons, so that points on a circle are slightly off th
 _APART = 0.25
 """Least distance between points on an outline, relative to the element's size."""
 _FOUR = 4
-"""Least number of points on the convex hull of an area.
+"""Least number of points on the convex hull of an area; with fewer, points nearer than `_APART` are added.
 
 Four points resist both slopes equally, on a circle and on a rectangle.
 """
@@ -78,7 +78,7 @@ def located(
     if not where.inside.all():
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         (left, bottom), (right, top) = ([length(part, mesh.size) for part in corner] for corner in (low, high))
-        beyond = f"but beyond its edges; it lies within x = {left} to {right}, y = {bottom} to {top}"
+        beyond = f"but beyond its edges; the plate lies within x = {left} to {right}, y = {bottom} to {top}"
         holes, problems = points_in_holes(mesh, positions), Problems()
         washer = " For a washer over the hole give a radius larger than the hole." * (place[0] in _WITH_FOOTPRINTS)
         for i in np.flatnonzero(~where.inside & ~(holes & in_holes)).tolist():
@@ -162,7 +162,7 @@ def along_curve(
     """
     if sides is not None:
         return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
-    assert where.curve is not None  # A place without edges has a line or a circle.
+    assert where.curve is not None  # Without edges, ``where`` has a line or a circle.
     points = curve_quadrature(mesh, where.curve, order, at_ends, levels)
     _require_on_plate(mesh, plate, where.curve, points, f"The {where.key}", (*place, where.key))
     return points
@@ -331,7 +331,7 @@ def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> Ou
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # In an area of one or two elements, the points kept so far may all be on one line, and resist one slope only.
+        # In an area of one or two elements, points `_APART` apart may all be on one line, and resist one slope only.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 

@@ -317,7 +317,7 @@ def _of_whole(
     index: int,
     whole: Discretisation,
 ) -> OfWhole:
-    """Plate with index ``index`` and its indices into the joined arrays; its contacts become supports of its model."""
+    """Plate with index ``index`` as `OfWhole`; contacts with other plates are among its contact points."""
     plate, numbers = each[index], parts[index].numbers["support"]
     nodes, elements, springs, contacts, redundant = (np.cumsum([0, *map(count, each)]) for count in _COUNTS)
     tables, places = [plate.contacts], [np.arange(contacts[index], contacts[index + 1])]

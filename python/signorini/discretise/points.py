@@ -70,7 +70,7 @@ class ContactPoints(Table, Brief):
         shared: Ints,
         numbers: Ints,
     ) -> Self:
-        """Table of points with the laws ``graphs``, none of which is a tightened bolt."""
+        """Table of points with the laws ``graphs``; no point is a tightened bolt."""
         direction, distance, settlement, law, scale, unit, laws = graphs
         none, ways = np.zeros(len(rows)), np.full(len(rows), direction)
         of_law = distance, settlement, none, none, law, scale, unit, ways
@@ -115,7 +115,7 @@ class ContactPoints(Table, Brief):
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
         """Whether points (..., m) yield: the piece of the law is the first or the last, with slope 0 and a force.
 
-        The contact state decides, because a force may reach the limit without yield travel. Repeated points have no
+        The piece decides, not the force, which may reach the limit without yield travel. Redundant points have no
         piece: `results.support_points.SupportPoints.yielded` decides by force.
         """
         slopes, forces, ends, _ = self._pieces
@@ -141,7 +141,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Tables (laws, p) of all pieces: slope, force at the corner, mask of end pieces; force ranges (laws, p, 2)."""
+        """Tables (laws, p) of all pieces: slope, force at its vertex, mask of end pieces; force ranges (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
@@ -206,7 +206,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def rigid_ways(self) -> tuple[Bools, Bools]:
-        """Masks of points (m,) that resist motion down rigidly, and motion up: their laws end with a rigid piece."""
+        """Masks (m,) of points that rigidly resist motion down, and motion up: the law has a rigid end piece there."""
         before, beyond = np.isinf([law.ends for law in self.laws])[self.law].T
         pushes_up = self.direction > 0.0
         return np.where(pushes_up, beyond, before), np.where(pushes_up, before, beyond)
@@ -254,6 +254,6 @@ def parts_of(
 
 
 def _grouped(owner: Ints, count: int) -> list[Ints]:
-    """For each of ``count`` owners, the indices of the entries that it owns; entries of other owners are left out."""
+    """For each number below ``count``, the indices of the entries of ``owner`` that are equal to it."""
     order = np.argsort(owner, kind="stable")
     return np.split(order, np.searchsorted(owner[order], np.arange(1, count + 1)))[:count]

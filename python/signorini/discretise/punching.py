@@ -88,7 +88,7 @@ class Columns:
 
     @property
     def count(self) -> int:
-        """Count r + 3c of the numbers to which a load is reduced."""
+        """How many numbers a load is reduced to: r + 3c."""
         return len(self.regions) + 3 * len(self.columns)
 
     @cached_property
@@ -98,11 +98,11 @@ class Columns:
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
     def of_points(self, forces: Quadrature) -> Floats:
-        """Numbers (r + 3c,) of downward point forces, which are the weights of ``forces``."""
+        """The r + 3c numbers (see `Columns`) of downward point forces, which are the weights of ``forces``."""
         return self._numbers(lambda region: forces.weights[region.contains(forces.positions)].sum())
 
     def of_line(self, divided: Callable[[Levels], Quadrature]) -> Floats:
-        """Numbers (r + 3c,) of forces along a line; ``divided`` is as in `Sections.of_line`."""
+        """The r + 3c numbers (see `Columns`) of forces along a line; ``divided`` is as in `Sections.of_line`."""
 
         def inside(region: Rounded) -> float:
             points = divided(sides_of(region))
@@ -111,12 +111,12 @@ class Columns:
         return self._numbers(inside)
 
     def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
-        """Numbers (r + 3c,) of a pressure; arguments are as in `Sections.of_spread`."""
+        """The r + 3c numbers (see `Columns`) of a pressure; arguments are as in `Sections.of_spread`."""
         shape = spread.region
         around = np.concatenate([np.zeros((0, 2)), *getattr(shape, "loops", ())])
 
         def inside(region: Rounded) -> float:
-            # The region is convex, so that it contains the whole load if it contains all corners of the load's outline.
+            # The region inside a perimeter is convex: it contains a load if it contains all corners of its outline.
             if len(around) and region.contains(around).all():
                 return forces.total
             points = over(region, self.mesh, shape, spread.order, spread.levels)
@@ -125,7 +125,7 @@ class Columns:
         return self._numbers((lambda region: 0.0) if spread.field else inside)
 
     def of_case(self, model: Model, case: str) -> Floats:
-        """Numbers (r + 3c,) of the forces and couples of a load case that act on the columns."""
+        """The r + 3c numbers (see `Columns`) of the forces and couples of a load case that act on the columns."""
         result, first = np.zeros(self.count), len(self.regions)
         loads = [load for load in model.load if load.case == case and load.at is not None]
         for own, column in zip(result[first:].reshape(-1, 3), (one.column for one in self.columns), strict=True):
@@ -142,7 +142,7 @@ class Columns:
 
 def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
     """Quadrature over the part of ``shape`` in a region; arguments are as in `area_quadrature`."""
-    # Quadratures without levels are stored: loads of several cases often have one footprint, such as a column's.
+    # Quadratures without levels are stored: loads of several cases often act on the same footprint.
     return _divided_over(region, mesh, shape, order, levels) if levels else _over(region, mesh, shape, order)
 
 
@@ -169,7 +169,7 @@ def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
         faces = (bars.bottom_x, bars.bottom_y) if on_raft else (bars.top_x, bars.top_y)
         d = d or (thickness / length - faces[0], thickness / length - faces[1])
         rho, fck, fyk = table.rho or (bars.least, bars.least), fck or own.fck, fyk or own.fyk
-    assert d is not None and fck is not None and fyk is not None  # All three are required without [reinforcement].
+    assert d is not None and fck is not None and fyk is not None  # Without [reinforcement], d, fck, fyk are required.
     if min(d) <= 0.0:
         raise InputError("The plate is thinner than the distance of its bars from the face. Give the depth d.")
     given, depths = None if table.beta == "computed" else table.beta, (length * d[0], length * d[1])

@@ -266,7 +266,7 @@ def _moves(rows: csr_array, held: Held) -> Bools:
 
 
 def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
-    """Indices (k,) of the points that can act: points with a free dof, and compliant points that held dofs press."""
+    """Indices (k,) of points that can act: points with a free dof, and compliant points loaded by held dofs' values."""
     if not held.dofs.any():
         return np.arange(len(contacts))
     rows = _over_dofs(mesh, held, contacts)
@@ -282,7 +282,7 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # If held dofs press a point, the point of the opposite direction at the same place is kept too.
+    # If held dofs load a point, the point of the opposite direction at the same place is kept too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))

@@ -181,7 +181,7 @@ class Rows:
 
 
 def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> csr_array:
-    # Only columns with nonzero entries are kept: rows of a deflection have them in a third of the columns.
+    # Zero columns of coefficients are left out; in rows of a deflection, two of three columns are zero.
     columns = np.flatnonzero(coefficients.any(axis=0))
     dofs: npt.NDArray[Any] = 3 * elements.take(columns // 3, axis=1) + columns % 3
     starts: npt.NDArray[Any] = len(columns) * np.arange(len(owners) + 1)

@@ -21,9 +21,9 @@ from signorini.shapes.extent import Tolerances, diameter
 from signorini.shapes.outlines import Point
 
 _PASSES = 8
-"""Largest number of passes over all items.
+"""Largest number of passes over all supports, zones and loads.
 
-Each pass moves the targets too; the distances converge quadratically.
+A pass also moves geometry onto which others were moved; the remaining distances converge quadratically.
 """
 
 _Item: TypeAlias = Support | Zone | Load
@@ -83,7 +83,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
 
 
 def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
-    """Edges of the plate as targets, one target for each name, and the plate's diameter."""
+    """Edges of the plate onto which geometry is moved, one `_Target` per name, and the plate's diameter."""
     if not isinstance(model.plate, OutlinedPlate):
         assert mesh is not None  # A plate without an outline is read from a file with its mesh.
         nodes = mesh.points[mesh.boundary]
@@ -137,7 +137,7 @@ class _Snapper:
     moved: dict[Place, Snapped]
 
     def item(self, path: Place, item: _Item) -> _Item:
-        """Return the item with its new position."""
+        """Return a support, zone or load with its new position."""
         moves: dict[str, Callable[[Place, Any], object]] = {
             "at": self._points,
             "line": self._line,

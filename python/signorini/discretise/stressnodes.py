@@ -35,7 +35,7 @@ _ASIDE = 0.05
 It is relative to the distance of the element's middle from the side.
 """
 _STATIONS = np.array([0.25, 0.75])
-"""Positions along a side, from 0 to 1, at which its two elements are compared.
+"""Positions along a side, from 0 to 1, beside which both elements are tested against an area.
 
 An outline along the side separates the two elements at both positions, an outline across the side at one.
 """
@@ -229,7 +229,7 @@ def _parted(stress_nodes: StressNodes, joined: Ints, nodes: Ints) -> StressNodes
         np.searchsorted(keys, triples[side, which] + count * (joined[side, i] // 4)) for i in range(2)
     )
     group = components(len(keys), first_entry, second_entry)
-    # The group of the first element keeps the mesh node's index.
+    # At each node, the group with the first element keeps the mesh node's index.
     node = keys % count
     first = np.full(group.max() + 1, len(keys))
     np.minimum.at(first, group, np.arange(len(keys)))

@@ -44,9 +44,9 @@ from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
 _GAUSS_RIGID = 2
-"""Number of points in each element on a rigid line that crosses elements.
+"""Number of points per element on a rigid line that crosses elements.
 
-It is at most the number of free dofs in the element.
+More points could outnumber the free dofs of an element.
 """
 _ROW = 3
 """Least number of elements across which a rigid two-sided line acts on element means.

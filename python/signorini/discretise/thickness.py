@@ -27,10 +27,10 @@ _BESIDE = 2e-3
 """Distance from a step of the thickness at which its two sides are evaluated, in reference coordinates."""
 
 _SHORT = 1e-3
-"""Least length of a piece of a step, relative to the element size; shorter pieces have no accurate direction."""
+"""Least length of a piece of a thickness step, relative to the element; shorter pieces have no accurate direction."""
 
 _SOFTEST = 1e-9
-"""Least rigidity across a step, relative to the rigidity along the step.
+"""Least rigidity across a step of the thickness, relative to the rigidity along the step.
 
 Smaller values are lost in rounding if the step is oblique.
 """
@@ -200,7 +200,7 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     )
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
     sides = bending[rigidity_before] * thickness_before**3, bending[rigidity_after] * thickness_after**3
-    # The weight of a piece of a step must be positive even if the bending rigidity does not jump there.
+    # Weights must be positive even without a jump of the bending rigidity, since they are divided by their sum.
     step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
 

@@ -24,9 +24,9 @@ from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
-"""Largest area between a zone's border and the element sides that approximate it, relative to the element's area.
+"""Largest area between a zone's border and element sides that approximate it; with a larger area, elements are cut.
 
-The area of the zone counts in its place if it is smaller. A parabola over 45° of a circle has this error.
+It is relative to the smaller of the areas of element and zone. A parabola over 45° of a circle has this error.
 """
 _ROUNDING = 1e-6
 """Value in place of `_SLIVER` in elements with a narrow strip between zones, since the strip's area is no error."""
@@ -49,7 +49,7 @@ class Rigidity:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, factor: float) -> Self:
-        """Rigidity of Young's modulus E, Poisson's ratio nu, and the shear correction factor."""
+        """Rigidity of an isotropic plate with Young's modulus E, Poisson's ratio nu and a shear correction factor."""
         d = E / (12 * (1 - nu**2))
         bending = d * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
         return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))

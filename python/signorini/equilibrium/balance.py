@@ -144,7 +144,7 @@ def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
     deciding = [np.zeros(0, np.int64)]
-    # With several plates, different supports may belong to different plates, so that each support is a group.
+    # With several plates, each support has a convex hull of its own, since it may belong to another plate.
     groups = supports if discretisation.plates else np.zeros_like(supports)
     for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
         members = np.flatnonzero((groups == group) & (directions == direction))
@@ -220,7 +220,7 @@ def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, st
     each contact point; values above ``enough`` are cut off.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
-    # A rotational stiffness is divided by the plate's size squared, so that it can be compared with a stiffness.
+    # A rotational stiffness is divided by the plate's size squared, so that it can be compared with the others.
     spring_stiffness = (
         discretisation.springs.stiffness / np.where(discretisation.springs.slope, discretisation.mesh.size, 1.0) ** 2
     )

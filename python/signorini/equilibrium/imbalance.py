@@ -2,9 +2,9 @@
 
 The plate is a rigid body here, and no matrix is factored. Reactions of one-sided supports have a sign. By Farkas' lemma
 they balance the load exactly if the load does no positive work in any rigid motion that all supports allow. A linear
-program in at most three unknowns finds the motion with the most work. Supports extend to their outlines, independently
-of the mesh. A plate tips about the line of the allowed motion with the most work per rotation. This work is the missing
-moment: by duality, the least couple with which reactions would balance the load.
+program in at most three unknowns per plate finds the motion with the most work. Supports extend to their outlines,
+independently of the mesh. A plate tips about the line of the allowed motion with the most work per rotation. This work
+is the missing moment: by duality, the least couple with which reactions would balance the load.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _ROUNDING = 1e-9
 WORK = 1e-10
 """Largest work that counts as zero, relative to the size of the load times the largest component of the motion."""
 _COARSE = 1e-5
-"""Extra loads up to this part of the load are computed from extreme rays: a linear program has the tolerance 1e-7."""
+"""Largest extra load, relative to the load, that is found by extreme rays: a linear program has the tolerance 1e-7."""
 _CLOSED = 1e-7
 """Largest opening of a point that counts as closed while the plate tips, relative to the largest opening."""
 _LIFTS = 1e-9
@@ -284,7 +284,7 @@ def _least_holding(
     least = minimise(cost, balance, (resultant / total, resultant / total), (0.0, np.inf))
     if least is None or least[0] > _COARSE:
         return None if least is None else total * float(least[0])
-    # The load is so small that the tolerance of the linear program decides: compute it from extreme rigid motions.
+    # An extra load this small is lost in the linear program's tolerance: compute it from extreme rigid motions.
     rays = allowed_motions(freedom.outline)
     if rays is None:
         return None
@@ -447,7 +447,7 @@ def nearest_limit(
         for limit in _limits(discretisation, freedom, freedom.outline, whole - nodal[case], nodal[case])
         if 1 / _MOST < limit < _MOST
     ]
-    # If two cases have reciprocal limits, rounding must not choose between them.
+    # Rounding must not choose between cases with reciprocal limits, which are equally near to 1.
     return min(reversed(limits), key=lambda pair: round(abs(np.log(pair[1])) / _ALIKE), default=None)
 
 

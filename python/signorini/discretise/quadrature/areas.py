@@ -22,9 +22,9 @@ _ON_PLATE = 1e-9
 _RADON = 3
 """Largest number of Gauss points per direction at which Radon's seven points on a triangle are as accurate."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
-"""Corners of a triangle at which the lines of a collapsed rule meet, for each set of sides on the outline.
+"""For each set of a triangle's sides on the outline, their opposite corners, where lines of collapsed rules meet.
 
-The key is the sum of 1, 2 and 4, one for each side of the set.
+The key is the sum of 1, 2 and 4 for the first, second and third side in the set.
 """
 _ROUNDINGS = 16.0
 """Largest rounding of an outline's position, in machine epsilons times the largest coordinate."""
@@ -60,7 +60,7 @@ def area_quadrature(
         levels += among(outline, crossed(mesh, elements, outline))
     result = cut_by(mesh, elements, levels, order, off).points
     inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
-    # Curved outlines are cut along chords: weights are scaled to the exact area.
+    # Elements are cut along chords of curved outlines; weights are scaled to the exact area.
     count = len(mesh.elements)
     area = np.bincount(smooth.elements, smooth.weights, count)
     cut_area = np.bincount(result.elements[inside], result.weights[inside], count)

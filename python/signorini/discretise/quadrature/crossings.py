@@ -22,7 +22,7 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
-    # The degree is that of the nonzero coefficients: 1 for straight sides and outlines, as most are.
+    # Leading coefficients that are all 0 are left out: for straight sides and outlines, polynomials are linear.
     degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
     coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
@@ -115,7 +115,7 @@ def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
 
 
 def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """All pairs of an entry of one table and an entry of another with equal owner: indices (p,) into either table."""
+    """Indices (p,) into ``owner``, and indices (p,) into ``others``, of all pairs of equal entries."""
     order = np.argsort(others, kind="stable")
     first, stop = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
     count = stop - first

@@ -1,8 +1,8 @@
 """Quadrature over the intersection of each element with a region.
 
 An element is cut into strips along y at every corner, turning point and crossing of its sides and the region's outline.
-Within a strip these curves neither begin, end nor cross. So the domain is bounded below and above by one smooth curve
-each, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
+Within a strip these curves neither begin, end nor cross. So each cell between two of them has one smooth curve below
+and one above, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
 height-function quadrature of Saye (2015). Cells are bisected until area and first moments have converged.
 """
 
@@ -27,9 +27,9 @@ from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 _STRAIGHT = 1e-14
-"""Largest bend of a side that counts as straight, relative to its coordinates."""
+"""Largest quadratic term of a side that counts as straight, relative to its coordinates."""
 _THIN = 1e-13
-"""Least width of a strip and area of a cell, relative to the element; least weight of a point, relative to the cell."""
+"""Strips, covered areas and weights of points up to this part of the element or cell are left out as rounding."""
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Least width of a strip, relative to the element's coordinates: ends of neighbouring sides differ by rounding."""
 _SLIVER = 1e-12
@@ -37,9 +37,9 @@ _SLIVER = 1e-12
 _ALONG = 1e-9
 """Largest distance of nodes from a circle that the mesh follows, relative to the mesh's size."""
 _CONVERGED = 1e-13
-"""Largest change by bisection of moments that have converged, relative to the area of the element's box or region."""
+"""Convergence tolerance for moments of bisected cells, relative to the area of the element's box or region."""
 _CURVED_POINTS = 8
-"""Number of Gauss points in x of a cell that curves bound."""
+"""Number of Gauss points along x in a cell bounded by curves."""
 _BISECTIONS = 40
 """Largest number of bisections of a cell."""
 
@@ -296,7 +296,7 @@ def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Fl
 def _integrate(
     pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int, rule: Rule
 ) -> tuple[Ints, Floats, Floats]:
-    """Elements, positions and weights of the points of the cells.
+    """Elements, positions and weights of the quadrature points in the cells.
 
     Cells with curved bounds are bisected in x until their moments have converged.
     """
@@ -347,13 +347,13 @@ def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
 
 
 def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -> tuple[Ints, Floats, Floats]:
-    """Elements (q,), positions (q, 2) and weights (q,) of the points of the cells."""
+    """Elements (q,), positions (q, 2) and weights (q,) of the quadrature points in the cells."""
     x, weight, low, high = _stations(pieces, cells, rule(count))
     node, across = rule(order)
     y = 0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node
     weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
     positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
     owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
-    # At the tip of a cell the weight of a point is 0.
+    # Points at the tip of a cell have the weight 0 and are left out.
     positive = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
     return owner[positive], positions[positive], weights[positive]

@@ -22,7 +22,7 @@ from signorini.shapes.outlines import Outline, Side, arc_through
 _SAME = 1e-13
 """Relative rounding errors of coordinates, and of the angles of thirds of a circle."""
 _TOUCHED = 1e-6
-"""Least length of a piece of an arc, relative to the arc: points of tangency have only half of the digits."""
+"""Least length of a piece of an arc, relative to the arc: points of tangency are accurate to half of the digits."""
 _STRAIGHT = 1e-9
 """Largest distance of a side from the line on which it lies, relative to the length of the side."""
 _NONE = np.zeros((0, 2))
@@ -30,7 +30,7 @@ _NONE = np.zeros((0, 2))
 _INSIDE = 1e-6
 """Distance from the ends of an interval within which a jump counts as at the end, relative to its length."""
 _SEEN = 17
-"""Number of sample points of an interval; two changes of sign between neighbouring samples are missed."""
+"""Number of points at which a level is sampled in an interval; two changes of sign between neighbours are missed."""
 _BISECTIONS = 50
 """Number of bisections with which a jump is located in an interval, to rounding."""
 
@@ -135,7 +135,7 @@ def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
 
 
 def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
-    """Divide pieces longer than a third of a circle into thirds, on which Gauss points prefer no direction."""
+    """Divide pieces into parts of at most a third of a circle: on three thirds, Gauss points prefer no direction."""
     if isinstance(arc, Segment):
         return breaks
     turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * arc.radius)
@@ -207,7 +207,7 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
     """
     sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
-        # Sides along the circle are omitted: crossings at midside nodes would make more pieces than free deflections.
+        # Sides along the circle do not divide it: pieces between their nodes would outnumber the free deflections.
         along = mesh.sides_on(curve)
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]

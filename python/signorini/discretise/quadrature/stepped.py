@@ -33,7 +33,7 @@ OFF = 1e-4
 _DEEPEST = 7
 """Largest number of times that an element is subdivided."""
 INSIDE = 1.0 - 1e-6
-"""Distance of the outermost sample points from an element's middle, relative to the side's. None is on the side."""
+"""Distance of the outermost sample points from an element's middle, relative to that of the sides."""
 _PARTED = 0.4863
 """Position at which the side of a box is divided, relative to its length.
 
@@ -60,7 +60,7 @@ class Triangles(Table):
 
     @classmethod
     def of_boxes(cls, which: Ints, boxes: Floats) -> Triangles:
-        """Halve boxes (k, 4) along a diagonal; ``which`` (k,) are the indices of the boxes.
+        """Divide boxes (k, 4) along a diagonal into two triangles each; ``which`` (k,) are the indices of the boxes.
 
         A box is given by its lower and upper corner.
         """
@@ -77,7 +77,7 @@ class Triangles(Table):
 
 
 def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangles, Ints, Floats]:
-    """Cut triangles along the line p0 + p1 x + p2 y = 0, with p (c, 3) by box, in boxes marked in ``changes`` (c,).
+    """Cut triangles in boxes marked in ``changes`` (c,) along p₀ + p₁ξ + p₂η = 0; p is the box's row of ``planes``.
 
     Return the uncut triangles and the parts of the others, then the box (f,) and the ends (f, 2, 2) of each cut.
     """

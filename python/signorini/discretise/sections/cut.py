@@ -39,7 +39,7 @@ from signorini.shapes.outlines import Point, arc_through
 BESIDE = 1e-6
 """Tolerance for an end of a line that lies on an edge, or at a node of an edge, relative to the plate's size."""
 _BEYOND = 2.0
-"""Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
+"""Length by which a line is continued beyond an end inside the plate, relative to an element's largest diagonal.
 
 The virtual displacement v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
@@ -270,7 +270,7 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
 
 
 class _Pieces(NamedTuple):
-    """Parts of a line, each in or beside an element (q,): piece (q,) of the line, first and last station (q,)."""
+    """Parts of a line, each in or along an element (q,): piece of the line (q,), first and last station (q,)."""
 
     elements: Ints
     piece: Ints
@@ -383,7 +383,7 @@ def _rest(
 
 
 def _once(pieces: _Pieces) -> Floats:
-    """Weight (q,) of each piece: 1, or a half if the piece is between two elements and occurs in both."""
+    """Weight (q,) of each part of a line: 1, or ½ if it runs between two elements and is listed for both."""
     middle = 0.5 * (pieces.begin + pieces.end)
     order = np.lexsort((middle, pieces.piece))
     again = (np.diff(pieces.piece[order]) == 0) & (pieces.begin[order][1:] < middle[order][:-1])

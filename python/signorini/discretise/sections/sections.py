@@ -31,9 +31,9 @@ _FLAT = 1e-9
 _AT_SIDE = 1e-6
 """Largest distance of a point on a side from this side, in reference coordinates."""
 _BESIDE = 1e-3
-"""Distance from a strip's center line at which the plate is searched, relative to half of the strip's width.
+"""Distance of a test point from a strip's center line, relative to half of the strip's width.
 
-Without plate there, the center line is on an edge.
+If the test point is off the plate, the center line is on an edge.
 """
 
 
