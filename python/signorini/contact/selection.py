@@ -416,7 +416,7 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     free = -np.linalg.solve(r, q.T @ offset)
     if ((sides @ free) <= room).all():
         return np.asarray(free)
-    # With x = R y + Qᵀb, minimise ‖x‖ subject to −C R⁻¹ x ≥ C y_free − r, with rows scaled to length 1.
+    # With A = QR, y₀ = −R⁻¹Qᵀb, x = R (y − y₀): minimise ‖x‖ subject to −C R⁻¹ x ≥ C y₀ − r, rows scaled to length 1.
     rows = np.linalg.solve(r.T, sides.T).T
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)

@@ -50,7 +50,7 @@ def subdivide(
 
 
 def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Return joints (count + 1,) at ``kept`` and as many other ``wanted`` lines as possible, and all lines with joints."""
+    """Return joints (count + 1,) at ``kept`` and as many other ``wanted`` lines as possible; also these lines."""
     start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
     while any(np.abs(equal[first:] - line).min() > same for line in wanted):
