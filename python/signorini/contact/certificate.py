@@ -1,7 +1,7 @@
 """The certificate: errors of an answer, computed from the statement of the problem alone.
 
-From displacements u and reactions λ, gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance are recomputed,
-without any factor, condensed matrix or status of a solver.
+Penetrations Gu − Cλ − g, nodal forces F − Ku − Gᵀλ (F the nodal loads) and the global balance are recomputed from the
+displacements u and reactions λ, without any factor, condensed matrix or status of a solver.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ from signorini.discretise.rows import Bools, Floats, Ints
 TOLERANCE = 1e-8
 """Largest error of a certified answer; each error is relative to the reference size stated in `Certificate`."""
 CERTIFIABLE = 1e-4
-"""Largest relative rounding error of a certified answer: ``rounding`` and ``lost`` of its `Certificate`.
+"""Largest relative rounding error of a certified answer, the limit of the fields ``rounding`` and ``lost``.
 
 Rounding errors at the nodes add up as in a random walk, loads add up directly. So the relative error of the whole
-answer is hardly larger than this.
+answer is hardly larger than this limit.
 """
 _ROUNDINGS = 4.0
 """Largest imbalance at a node that counts as rounding, in machine epsilons times the internal and contact forces there.
 """
 _RANK = 1e-12
-"""Rank tolerance for products of supports' rows with rigid motions, relative to the largest singular value."""
+"""Rank tolerance in the least-norm problem for the support forces with a given resultant, see `_Answers.lost`."""
 NIL = 1e-6
 """Largest deflection, relative to F a²/D, that may be rounding of the elimination; F is the load, a the plate's size.
 """
 UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Factor 4ε/`TOLERANCE` = 9e-8 by which a size contributes to a reference size.
+"""Lower bound 4ε/`TOLERANCE` = 9e-8 of a reference size, relative to the rounded number, for example a gap.
 
-An error of 4ε times the size is then `TOLERANCE` relative to the reference size, and passes.
+The rounding of the number, 4ε times its size, is then at most `TOLERANCE` times the reference size, and passes.
 """
 _CANCELLED = CANCELLED / TOLERANCE
-"""Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel: their sum is rounded by `CANCELLED` times their size."""
+"""Lower bound 4e-7 of the reference force, relative to the loads; their sum has a rounding error of `CANCELLED`."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 """Names of the errors of a certificate, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
-"""Names of the errors that may exceed the tolerance within the rounding of internal forces and support forces."""
+"""Names of the errors that may exceed the tolerance, up to the rounding of internal forces and support forces."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Certificate:
 
     @classmethod
     def worst(cls, certificates: Sequence[Self]) -> Self:
-        """Certificate whose fields are the largest values of these fields in ``certificates``."""
+        """Certificate in which each field is the largest value of this field among ``certificates``."""
         return cls(
             **{
                 figure.name: max(getattr(certificate, figure.name) for certificate in certificates)
@@ -197,7 +197,7 @@ class _Answers:
         return largest_magnitudes(self._off_laws[2])
 
     def complementarity(self) -> Floats:
-        """Largest min(reaction λ, gap g + Cλ − Gu), in reference sizes; also the distance from prescribed pieces."""
+        """Largest min(reaction λ, gap g + Cλ − Gu), both relative; or the distance from given ``pieces``, if larger."""
         sizes = self._travels, self.reaction, self._lengths, self._units
         contacts = self.discretisation.contacts
         off = [self._off_laws[1], *(_off_pieces(contacts, pieces, *sizes) for pieces in self.pieces)]
@@ -213,7 +213,7 @@ class _Answers:
         return ratio(self._resultants[0], self.resultant_size)
 
     def lost(self, row: int) -> float:
-        """Relative resultant of load and reactions that rounding of balanced loads may hide, for the answer ``row``."""
+        """Field ``lost`` of answer ``row``: relative resultant of reactions and of loads that can have a resultant."""
         discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
         if load.all_weighs or not load.weighing.any():
             return 0.0
@@ -237,11 +237,11 @@ class _Answers:
         resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
         rows = (np.concatenate(blocks) * arm[:, None])[acting]
         least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
-        # The reference force is at least half the load per acting force, as nodal forces of a pressure have both signs.
+        # The reference is at least ½ Σ|loads| / number of support forces: nodal loads of a pressure have both signs.
         return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
     def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
-        """Certificate of the answer with index ``row``; errors above the tolerance are compared with their rounding."""
+        """Certificate of the answer with index ``row``; limits are computed if an error exceeds the tolerance."""
         worst = max(figures[name] for name in LIMITED)
         if worst <= TOLERANCE or not np.isfinite(worst):
             return Certificate(**figures, lost=lost)
@@ -250,7 +250,7 @@ class _Answers:
         sizes = self.force_size[row], self.reaction_size[row], self.resultant_size[row]
         force, reaction, resultant = map(float, sizes)
         epsilon = _ROUNDINGS * float(np.finfo(float).eps)
-        # Rounding errors of dofs add up as in a random walk. Held dofs contribute to the resultants too.
+        # Rounding errors of n dofs add up to √n times one of them, as in a random walk. Resultants include held dofs.
         random_walk = np.sqrt(discretisation.dof_count)
         at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
         of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
@@ -259,7 +259,7 @@ class _Answers:
         bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
         bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
         pushing = float(maximum(resultant, reaching(discretisation, push_magnitudes(*answer))))
-        # A reaction within rounding of zero may have either sign.
+        # A reaction that is smaller than the rounding of nodal forces may have the wrong sign.
         limits = {
             "tension": (random_walk * at_nodes, reaction, reaction),
             "equilibrium": (at_nodes, force, bending),
@@ -305,16 +305,16 @@ class _Answers:
 
     @cached_property
     def travel(self) -> Floats:
-        """Least reference travel (m,) of each contact point, which tolerates the rounding of its distance g.
+        """Lower bound (m,) of the reference travel of each contact point, so that the rounding of its g is no error.
 
-        Each point has its own reference: a distant stop must not excuse errors at other points.
+        Each point has its own bound: a large gap at one point must not allow larger errors at other points.
         """
         contacts = self.discretisation.contacts
         return UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
 
     @cached_property
     def length(self) -> Floats:
-        """Reference deflection (k,): the largest deflection, at least the rounding of loads, slopes and settlements."""
+        """Reference deflection (k,): the largest, at least the one that rounding of loads and settlements causes."""
         held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
         size = self.discretisation.mesh.size
         prescribed = max(
@@ -428,7 +428,7 @@ def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Fl
 def certified(
     discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
-    """Certify an answer; if this fails, certify its fallback `Answer.in_turn`.
+    """Certify an answer; if this fails, certify the fallback in `Answer.in_turn`.
 
     Return the answer that passes, else the last answer tried, with its certificate.
     """
@@ -440,7 +440,7 @@ def certified(
 
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
-    """Largest deflection that counts as rounding under a load: 10⁻⁶ F a²/D."""
+    """Largest deflection that counts as rounding: 10⁻⁶ F a²/D for a load F on a plate of size a."""
     return NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
@@ -449,9 +449,9 @@ def off_laws(
 ) -> tuple[Floats, Floats, Floats]:
     """Distances (k, m) of points from their laws: penetration, gap, and force outside the law's range.
 
-    Penetration and gap are travels relative to ``lengths`` (k, m). Near a piece of slope 0 they are the distance in
-    force relative to ``sizes`` (k, m), if this is less. For a straight law the larger of both is the penetration, and
-    the gap is 0.
+    Penetration and gap are travels relative to ``lengths`` (k, m). At travels on a piece of slope 0 they are the
+    distance in force relative to ``sizes`` (k, m), if this is less. For a straight law the penetration is the larger of
+    penetration and gap, and the gap is 0.
     """
     result = np.zeros((3, *travels.shape))
     for law, points in contacts.by_law:
@@ -507,8 +507,8 @@ def forces_at_nodes(
 ) -> tuple[float, float]:
     """Largest sum over elements of |internal force| at a dof, and largest sum over supports of |support force|.
 
-    Only ``dofs`` (3n,) count, by default the free dofs. An imbalance within the rounding of these sums is not
-    significant.
+    Only ``dofs`` (3n,) count, by default the free dofs. A residual within the rounding of these sums is no error of the
+    answer.
     """
     dofs = ~discretisation.held.dofs if dofs is None else dofs
     element_size = float(np.sqrt(discretisation.mesh.element_area.mean()))

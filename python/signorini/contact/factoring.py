@@ -38,7 +38,7 @@ _FEW_RIGID = 3000
 """Largest total number of contact points for which Lemke's algorithm is faster; most are rigid points on lines."""
 
 _CARRIED = 100.0
-"""Stiffness added to the factor at contact points that restrain the plate, relative to D/a².
+"""Stiffness in the factor of each contact point that has to restrain rigid motions of the plate, relative to D/a².
 
 It is about the stiffness of a plate under a point load.
 """
@@ -47,7 +47,7 @@ It is about the stiffness of a plate under a point load.
 def method_of(discretisation: Discretisation) -> Method:
     """Return the method that the input prescribes, or for "auto" the faster method.
 
-    Without one-sided points the input's method is ignored: it is "lemke" for few points, and then needs no pivot.
+    Without one-sided points the input's method is ignored: for few points it is "lemke", without any pivot.
     """
     asked, contacts = discretisation.model.solver.method, discretisation.contacts
     one_sided = ~contacts.two_sided
@@ -72,7 +72,7 @@ def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Method) -> _core.ContactProblem:
-    """Order and factor a problem for a method; for Lemke's algorithm, condense the plate as well."""
+    """Order the dofs and factor the matrix of a method; for Lemke's algorithm, condense the plate as well."""
     if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":

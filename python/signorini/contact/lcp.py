@@ -17,7 +17,7 @@ from signorini.errors import InputError
 
 
 class Lcp(NamedTuple):
-    """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over the vertices of the laws of contact points.
+    """The LCP w = Mz + q with w, z ≥ 0 and zᵀw = 0, with rows for the vertices of the contact points' laws.
 
     A point that only pushes has one row; a point with a limit or a law has one row for each vertex. Points with a
     straight law, whose reactions may have either sign, are eliminated.
@@ -115,7 +115,7 @@ def lemke(
 
         w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
 
-    In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path [1]_ is finite for every M, and
+    In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M [1]_, also
     for degenerate problems [2]_. M and q are scaled by powers of two; z and w are computed again on the last basis.
 
     Parameters

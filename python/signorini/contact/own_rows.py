@@ -17,7 +17,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError
 
 _REPEATED = 1e-10
-"""Zero tolerance for eigenvalues of P over two-sided rows, after scaling the diagonal of P to 1."""
+"""Largest eigenvalue of P over two-sided rows, scaled to a diagonal of 1, at which these rows count as dependent."""
 
 
 @checked

@@ -236,7 +236,7 @@ class ContactProblem(Statement, Remade):
         return replace(self, reference=None, unmoved=unmoved, _cores={})
 
     def moved(self, discretisation: Discretisation) -> ContactProblem:
-        """Pose the problem of a discretisation in which only the distances g of the contact points differ."""
+        """Pose the problem of a discretisation that differs in g alone; it uses the factor of this problem."""
         return replace(self, discretisation=discretisation, reference=None, unmoved=self, _cores={})
 
     @property
@@ -431,8 +431,8 @@ class ContactProblem(Statement, Remade):
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
         """Pose the same problem for loads similar to ``load`` (3n,), from whose contact set the active set starts.
 
-        ``load`` is solved here. The start does not change any answer. The start has no effect on other methods, if
-        ``load`` has no solution, or with ``resists = "both"``. ``progress`` is as for `solve`.
+        ``load`` is solved here. The start changes no answer. The start is ignored by other methods, if ``load`` has no
+        solution, and if a support has ``resists = "both"``. ``progress`` is as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():

@@ -34,31 +34,31 @@ _AGAINST_EACH_OTHER = 1e6
 Ten of sixteen digits remain in the sum of such reactions.
 """
 _ACTIVE = 1e-10
-"""Zero tolerance for multipliers of inequalities, relative to the largest multiplier."""
+"""Zero tolerance for multipliers of inequalities in the least-norm problems, relative to the largest multiplier."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
-"""Rounding of each C_i·y at the unconstrained minimum y, relative to the sum of the magnitudes of its terms."""
+"""Rounding of C_i·y, of a constraint C_i·y ≤ r_i at the unconstrained minimum y, relative to Σ_j |C_ij y_j|."""
 _NIL = 1e-11
 """Zero tolerance for forces and deflections, relative to the largest force or deflection."""
 _HARDLY = 1e-6
-"""Least reference deflection in the test whether points touch, relative to Σ|λ| a²/D."""
+"""Lower bound of the reference deflection for the test whether gaps are zero, relative to Σ|λ| a²/D."""
 _STILL = 1e-12
-"""Rank tolerance for displacements of pushing points in rigid motions.
+"""Rank tolerance for displacements of pushing points in rigid motions, relative to the largest singular value or 1.
 
-Points on one line leave the rotation about this line free.
+If all these points are on one line, the rank must show that the plate can turn about this line.
 """
 _MOVED = 1e-9
 """Smallest magnitude at which a component of a unit vector counts as nonzero."""
 _DOUBTFUL = 1e-9
-"""Zero tolerance for combinations that may have several solutions, wider than `_NIL`.
+"""Zero tolerance for gaps and reactions, wider than `_NIL`, to mark combinations that may have several solutions.
 
-A combination that is marked without need is solved separately, which only takes longer.
+A combination that is marked without need is solved separately, which takes longer but changes no result.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 
 @dataclass(frozen=True)
 class NotUnique:
-    """A freedom that load and supports leave to the solution; the answer with the least norm is shown.
+    """Reactions or deflections that load and supports do not determine; those of least norm are shown.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class NotUnique:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Answer(Remade):
-    """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
+    """Solution for one load: displacements, reactions, gaps and contact states; numbers are NaN unless solved.
 
     Displacements are ``hi + lo`` (3n,), the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,)
     belong to the contact points; ``piece`` is the number of the piece of the point's law. The gap of a yielding point
@@ -169,10 +169,11 @@ def chosen(
     answer: Answer,
     elsewhere: Elsewhere | None = None,
 ) -> Answer:
-    """Return the least-norm answer to a nodal load (3n,) among all solutions, and record the freedom as `NotUnique`.
+    """Return the least-norm answer to a nodal load (3n,) among all solutions, with a `NotUnique` for each choice.
 
     ``elsewhere`` is called if the plate can move. On a load path it returns the reactions (m,) just before and just
-    after this load: points with such reactions hold the plate under this load too, so that the path has no jump.
+    after this load: points that push at either of these hold the plate under this load too, so that the deflection does
+    not jump along the path.
     """
     if answer.status != "solved":
         return answer
@@ -188,7 +189,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # If every point is closed, gaps are rounding errors; the reference is then the bending that reactions cause.
+        # If every point is closed, gaps are rounding errors, and the reference is the deflection that reactions cause.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
@@ -198,7 +199,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
-        # The eigenvalues are squares of displacements, which need a higher power of the tolerance.
+        # Eigenvalues are sums of squared displacements; they need a higher power of the tolerance than displacements.
         several |= values[:, 0] <= _DOUBTFUL**1.5 * values[:, -1]
     return several
 
@@ -294,7 +295,7 @@ def _with_least_deflection(
 ) -> Answer:
     contacts, nothing = discretisation.contacts, _NIL * _force(discretisation, nodal, answer)
     pushing = _holding(contacts, answer.reaction, nothing)
-    # If the load has no resultant, the reactions are rounding of the internal forces, which may exceed the tolerance.
+    # If the load has no resultant, reactions are rounding of internal forces, and this rounding is the tolerance.
     rounding = np.finfo(float).eps * discretisation.plate.internal_magnitude(
         discretisation.held.dofs, answer.hi, answer.lo
     )
@@ -304,7 +305,7 @@ def _with_least_deflection(
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            # At the start of a load path, where the load is zero, all reactions are rounding errors.
+            # Where a load path starts at zero load, all reactions are rounding errors, so that no point pushes.
             pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
@@ -321,7 +322,7 @@ def _with_least_deflection(
     both_ways = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
 
     def bounds(hi: Floats, lo: Floats) -> tuple[Floats, Floats, Floats]:
-        """Travels (m,) of all points; C and r of the constraints C y ≤ r of points without force on rigid motions y."""
+        """Travels (m,) of all points; C and r: in rigid motions y with C y ≤ r reactions of ``idle`` points stay."""
         travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
         rooms = [np.where(np.abs(one) > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)]
@@ -415,12 +416,12 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     free = -np.linalg.solve(r, q.T @ offset)
     if ((sides @ free) <= room).all():
         return np.asarray(free)
-    # With x = R y + Qᵀb, minimise ‖x‖ subject to −C R⁻¹ x ≥ C y_free − r, with rows scaled to length 1.
+    # With A = QR, y₀ = −R⁻¹Qᵀb, x = R (y − y₀): minimise ‖x‖ subject to −C R⁻¹ x ≥ C y₀ − r, rows scaled to length 1.
     rows = np.linalg.solve(r.T, sides.T).T
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)
     beyond = (sides @ free - room)[kept] / size[kept]
-    # Scale by the largest violation: relative to a distant constraint, violations could look like rounding.
+    # Divide by the largest violation: divided by the slack of a far constraint, violations could look like 0.
     unit = float(beyond.max())
     facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
     try:

@@ -19,7 +19,7 @@ from signorini.equilibrium.imbalance import supports_contradict
 from signorini.errors import point
 
 _MOST = 1e11
-"""Largest total number of operations of the fallback methods; they take one or two minutes.
+"""Largest total number of operations of the fallback methods for a load; they take one or two minutes.
 
 The certified random plate that took longest, with 3285 points, used 5e10.
 """
@@ -61,7 +61,7 @@ class BudgetSpent(Exception):
 
 
 class Budget:
-    """Number of operations left to the fallback methods; ``dofs`` and ``points`` give the cost of their steps."""
+    """Number of operations left to the fallback methods; ``dofs`` and ``points`` determine those of a step."""
 
     def __init__(self, dofs: int, points: int) -> None:
         self._left = _MOST
@@ -72,7 +72,7 @@ class Budget:
         return self._a_step(method) <= self._left
 
     def watching(self, method: Method, progress: Steps | None) -> Steps:
-        """Return a callback that counts a method's steps and calls ``progress``; it raises `BudgetSpent` at the end."""
+        """Return a callback that counts the operations of steps and calls ``progress``, or raises `BudgetSpent`."""
         a_step = self._a_step(method)
 
         def watch(step: int, changing: int, residual: float) -> None:

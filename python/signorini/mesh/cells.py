@@ -26,7 +26,7 @@ OUTLINE = "boundary"
 _SAME = 1e-9
 """Largest distance of nodes that are merged, relative to the plate's size."""
 _FLAT = 1e-6
-"""Largest difference of the nodes' z, relative to the plate's size: some files have only seven digits."""
+"""Largest difference of z in a plane mesh, relative to the plate's size: some files have only seven digits."""
 _MAX_OFFSET = 1e6
 """Largest distance of a plate from the origin, relative to its size: ten digits remain for positions in the plate."""
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]

@@ -16,7 +16,7 @@ _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _
 _STATIONS = np.vstack([maps.CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
-"""Reference points at which det J of degenerate quadrilaterals is checked; on the collapsed side det J = 0."""
+"""Reference points for the check of det J > 0 in degenerate quadrilaterals, off the collapsed side, where det J = 0."""
 _COINCIDENT = 1e-9
 """Largest distance from a side at which a node counts as on the side, relative to the mesh's size."""
 _STRAIGHT = 1e-9

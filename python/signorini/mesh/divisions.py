@@ -1,4 +1,4 @@
-"""Division of a length into elements whose joints follow lines and size limits; the normal axes of a plate."""
+"""Division of a length into elements, with joints at given lines and limited sizes; choice of a plate's axes."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def subdivide(
 
 
 def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Joints (count + 1,) at all ``kept`` lines and as many other wanted lines as possible; the lines with joints."""
+    """Return joints (count + 1,) at ``kept`` and as many other ``wanted`` lines as possible; also these lines."""
     start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
     while any(np.abs(equal[first:] - line).min() > same for line in wanted):
@@ -86,7 +86,7 @@ def _first_largest(values: Floats, same: float | None = None) -> int:
 
 
 def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
-    """Number of parts of each length: each further part goes to the length with the largest parts.
+    """Distribute ``count`` parts over lengths: each further part goes to the length with the largest parts.
 
     The first length has at least ``first`` parts. None if ``count`` parts are too few.
     """
@@ -98,7 +98,7 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
     heapq.heapify(heap)
     left = count - int(counts.sum())
     while left:
-        # Lengths whose parts are equal up to rounding get their next part in the order of the lengths.
+        # Lengths whose parts are equal up to rounding get their next part in the order of the list.
         ties = [heapq.heappop(heap)]
         while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
             ties.append(heapq.heappop(heap))
@@ -197,8 +197,10 @@ _GRID = 2.0**-30
 def axes_of(places: Sequence[Floats]) -> Axes:
     """Choose the axes with the lexicographically largest coordinates of points, second coordinates first.
 
+    If a plate is mirrored or turned by 90°, its axes are mirrored or turned with it, and so is the mesh.
+
     ``places`` are the points (k, 2) of the outline and of each shape on the plate, in order; the order of points within
-    a shape has no influence. Among equal axes, along which the plate looks the same, x and y come first.
+    a shape has no influence. If the plate looks the same along several axes, x and y come first.
 
     Examples
     --------

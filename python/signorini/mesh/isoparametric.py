@@ -25,7 +25,7 @@ CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SINGULAR: Final = 1e-12
 """Largest singular value of J that counts as zero, relative to the larger one; at a collapsed side one is zero."""
 _AT_A_TIME = 1024
-"""Number of elements that are computed at once, so that their Jacobians fit in the cache."""
+"""Number of elements whose Jacobians are computed at once, so that they fit in the cache."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -149,7 +149,7 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
         step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)
         done = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
-        # Far from the origin, rounding may keep steps above the tolerance; then the residual decides after the loop.
+        # Far from the origin, rounding may keep steps above the tolerance; after the loop the residual then decides.
         xi[active], converged[active] = moved, done
         active = active[~done]
     if len(active):

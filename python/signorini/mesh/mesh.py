@@ -210,7 +210,7 @@ class Mesh(Remade):
 
     @property
     def spanning(self) -> Bools:
-        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary; such elements bend too little."""
+        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary, too coarse for bending across them."""
         outer = self.on_boundary
         return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
 
@@ -423,7 +423,7 @@ class Mesh(Remade):
         return np.zeros((0, 3), np.int64) if on_ring is None else on_ring.triples
 
     def boundary_beside(self, ring: Ring) -> Ints:
-        """Find the curved boundary sides (k, 3) that approximate a circle: nodes within the tolerances of `locate`."""
+        """Find the curved boundary sides (k, 3) whose nodes are on a circle within the tolerances of `locate`."""
         element, side = np.nonzero(self.on_boundary & self._curved & (self.sagitta > 0.0))
         triples = self.sides[element, side]
         beyond = ring.radius - np.hypot(*np.moveaxis(self.points[triples] - ring.center, 2, 0))

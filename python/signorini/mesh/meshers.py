@@ -81,8 +81,8 @@ def _joints(
         within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
         return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
 
-    # If several divisions are equally good, the axes decide in which direction the side is divided.
-    # Otherwise the forward division is used, whose coordinates keep their digits.
+    # If several divisions are equally good, the axes decide whether the side is divided forward or backward.
+    # If both divisions are equal up to rounding, the forward one is used.
     forward = along(1.0)
     if axes[0][axis] + axes[1][axis] > 0:
         return forward
@@ -254,11 +254,11 @@ def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
 
 
 MOST = 10_000_000
-"""Largest number of elements of a meshed outline: more may not fit into memory during the preparation."""
+"""Largest number of elements of the mesh of an outline, even if more would fit into memory."""
 
 
 class OutlineError(InputError):
-    """An outline that cannot be meshed; ``contour`` and ``side`` are the indices of the problem's place, or None."""
+    """An outline that cannot be meshed, with the index of the faulty ``contour`` and of its ``side``, or None."""
 
     def __init__(self, message: str, contour: int | None = None, side: int | None = None) -> None:
         super().__init__(message)
@@ -277,7 +277,7 @@ def outlined(
 ) -> Mesh:
     """Mesh the area inside the first contour and outside the others, which are holes.
 
-    ``size`` is the element size: the longest side if all elements are squares. There are at most about ``most``
+    ``size`` is the largest element size, as the side of a square element. There are at most about ``most``
     elements. The edges of the mesh are those of the contours; nodes on arcs are exactly on them. With equal axes
     (`axes_of`) the mesh does not depend on units or position, nor on the order of corners, holes, and lines of a group.
     Contours that cross, touch or nearly touch are refused.

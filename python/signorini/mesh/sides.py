@@ -65,7 +65,7 @@ def onto(sides: Floats, points: Floats) -> Floats:
 
 
 _KINK = 0.1
-"""Smallest change of direction [rad] of a line at a corner."""
+"""Smallest change of direction [rad] at which a line has a corner."""
 
 _GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
 
@@ -114,7 +114,7 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length of a side; coordinates (n,) of points (n, 2) along its line; mask (n,) of the points on the line."""
+    """Length of a straight side; coordinates (n,) of points (n, 2) along its line; mask (n,) of points on the line."""
     a, _, b = side
     length = math.dist(a, b)
     along = np.subtract(b, a) / length

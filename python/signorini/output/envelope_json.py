@@ -51,7 +51,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Yield warnings about the model, and about deflections and required reinforcement if these have envelopes."""
+    """Yield warnings about the model and, if these have envelopes, about deflections and required reinforcement."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
@@ -88,7 +88,7 @@ def _widths_of_wholes(results: Results, own: _Shown, others: Sequence[_Shown]) -
     meshes = Meshes.of(own.mesh, [one.mesh for one in others])
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
-    # A line support may have nodes on some of the meshes; on these it has no largest force between nodes.
+    # On a mesh with nodes along a line support, its largest force per length is not among these numbers: NaN.
     found = [{number.path: value for number, value, *_ in one.wholes()} for one in every]
     values = np.array([[of.get(number.path, np.nan) for number in numbers] for of in found])[:, :, None]
     named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
@@ -108,7 +108,7 @@ class _Shown:
         return cls(combined.over(group), mesh) if combined.any_solved(group) else None
 
     def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
-        """Yield the extremes of table columns: number, keys, "max" or "min", and number of the table's row."""
+        """Yield the extremes of table columns: number, its path of keys, key of the extreme, and row of the table."""
         layout, of = self.envelope.layout, self.envelope.values
         for place, one in enumerate(layout.catalogue):
             if not one.quantity.enveloped:
@@ -119,7 +119,7 @@ class _Shown:
                     yield one, one.envelope_path, key, int(by[place])
 
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
-        """Yield the extremes over nodes or points: number, value, number of the table's row, and position.
+        """Yield the extremes over nodes or points: number, value, row of the table, and position.
 
         These extremes have no column in the table.
         """
@@ -212,7 +212,7 @@ class _Shown:
         return result
 
     def _ends(self, results: Results, number: int) -> dict[str, Any]:
-        """Return the extremes of a reaction per length or a concentrated force, both with their combinations."""
+        """Return both extremes of a reaction per length or of a concentrated force, with their combinations."""
         extremes: dict[str, Any] = {}
         for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
             extremes |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}

@@ -103,7 +103,7 @@ def _same(parts: tuple[str, ...], path: tuple[str, ...]) -> bool:
 
 
 def _owned(owner: str, number: str, entries: Sequence[_Entry]) -> list[_Entry]:
-    """Entries of a number that belong to a kind of owner, such as "probe", or to a support named by the user."""
+    """Entries named ``number`` in lists of the kind ``owner``, such as "probe", or else of supports and contacts."""
     found = [one for one in entries if one.name == number != ""]
     for of in ({owner, f"{owner}s"}, {"supports", "contacts"}):
         if those := [one for one in found if of & {*one.parts}]:
@@ -149,7 +149,7 @@ def _entries() -> Iterator[_Entry]:
 
 
 def inner(node: Node) -> list[Node]:
-    """Schemas of alternatives, list items and mapping values in a schema."""
+    """Schemas one level below a schema: its alternatives, list items and mapping values."""
     found = [*node.get("anyOf", ()), *node.get("oneOf", ()), node.get("items"), node.get("additionalProperties")]
     return [one for one in found if isinstance(one, dict)]
 
@@ -178,7 +178,7 @@ def types(node: Node) -> str:
 def _walk(
     node: Node, path: str, definitions: Mapping[str, Node], within: frozenset[str]
 ) -> Iterator[tuple[str, Node, bool]]:
-    """Yield path, schema and whether it is required, for each key at any depth, except below ``plus_minus``."""
+    """Yield path, schema and whether it is required, for each key of a schema, except keys below ``plus_minus``."""
     if "$ref" in node:
         name = node["$ref"].rpartition("/")[2]
         if name not in within:

@@ -199,7 +199,7 @@ def _parts(model: Model) -> list[str]:
 
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
-    """Pairs of a result and its file name: solved combinations or, with several plates, each plate.
+    """Pairs of a result and its file name: one for each solved combination or, with several plates, each of its plates.
 
     The names are distinct and valid on every file system.
     """
@@ -265,8 +265,7 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any] | Mapping[str,
 
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠", "'")
-"""First characters that make a spreadsheet compute a cell (OWASP, *CSV Injection*), and the apostrophe that marks text.
-"""
+"""First characters of cells that a spreadsheet computes (OWASP, *CSV Injection*), and the apostrophe before text."""
 
 
 def name_cell(name: str) -> str:

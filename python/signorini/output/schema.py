@@ -30,7 +30,7 @@ from signorini.results.quantities import (
 
 Node = dict[str, Any]
 SYMBOLS = Units(length="L", force="F")
-"""Units of the schema: symbols of length and force."""
+"""Symbols L and F that stand for the units of length and force in the schema."""
 _TYPES: Mapping[str, Node] = {
     "text": {"type": "string"},
     "number": {"type": "number"},
@@ -46,7 +46,7 @@ _SIDES = {"max": "largest", "min": "smallest"}
 
 
 def _groups() -> dict[str, Iterable[Quantity]]:
-    """Groups of quantities in the registry, by the names that schema.toml uses."""
+    """Lists of quantities in the registry (`results.quantities`), by the names that schema.toml uses."""
     return {
         **{name: of for name, of in vars(quantities).items() if isinstance(of, tuple)},
         "RESULTANTS": [LINEAR[name] for name in quantities.RESULTANTS],
@@ -99,7 +99,7 @@ def results_schema(file: Literal["results.json", "path.json"] = "results.json") 
 
 
 def _used(node: Node, definitions: Mapping[str, Node]) -> set[str]:
-    """Names of the definitions that a schema refers to, directly or not."""
+    """Names of the definitions to which a schema refers, directly or through other definitions."""
     found, waiting = set[str](), [node]
     while waiting:
         new = set(re.findall(r"#/\$defs/(\w+)", json.dumps(waiting.pop()))) - found

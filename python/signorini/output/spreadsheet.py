@@ -24,10 +24,10 @@ _LISTS = {
     "Checks": (("checks",), ()),
     "Punching": (("punching",), ()),
 }
-"""Lists of results.json and of its combinations, and lists within their entries, that a sheet shows."""
+"""Lists of results.json and of its combinations, and lists within their entries, that each sheet shows."""
 _LENGTHS = ("s", "length", "width", "distance")
 _WIDTH = "± "
-"""Beginning of the titles of columns with half-widths."""
+"""Prefix of the titles of columns with half-widths."""
 
 
 def sheets_of(values: Mapping[str, Any], results: Results) -> Iterator[Sheet]:
@@ -69,7 +69,7 @@ def _summary(values: Mapping[str, Any]) -> Iterator[Sequence[Cell]]:
 
 
 def _combinations(results: Results, units: Units) -> Sheet:
-    """Factors of every combination; numbers of supports and utilisations, if the table of combinations is stored."""
+    """Sheet of load-case factors by combination; with a stored table also numbers of supports, and utilisations."""
     combinations, numbers = results.model.effective_combinations, by_combination(results)
     acting = combinations.cases
     cases = [case for case in results.discretisation.cases if case in acting]
@@ -91,7 +91,7 @@ def _finite(value: float) -> float | None:
 def _rows(
     values: Mapping[str, Any], owners: Sequence[str], parts: Sequence[str], exact: Mapping[Path, Quantity], units: Units
 ) -> Iterator[dict[str, Cell]]:
-    """Yield a row for each entry of the lists ``owners`` of results.json or, with ``parts``, of lists within these."""
+    """Yield a row for each entry of the lists ``owners`` of results.json or, if given, of their lists ``parts``."""
     for combination in ({**values, "name": None, "plus_minus": None}, *values["combinations"]):
         head: dict[str, Cell] = {"combination": combination["name"]}
         for owner, index, entry in ((of, *pair) for of in owners for pair in enumerate(combination.get(of, ()))):
@@ -125,7 +125,7 @@ def _cells(
 
 
 def _leaves(node: Any, widths: Any, path: Path = ()) -> Iterator[tuple[Path, Cell, float | None]]:
-    """Yield path, value and half-width of numbers and texts, also in vectors, but not in lists of tables or lists."""
+    """Yield path, value and half-width of each number and text of an entry; lists of tables or lists are left out."""
     if isinstance(node, dict):
         for key, value in node.items():
             yield from _leaves(value, widths.get(key) if isinstance(widths, dict) else None, (*path, key))

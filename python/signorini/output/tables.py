@@ -34,8 +34,8 @@ _COLUMNS = (
     *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
-"""Largest number of points of a singularity that results.json lists. Borders of zones that cut elements may have
-thousands of points.
+"""Largest number of points of a singularity that results.json lists: where borders of zones cut elements, there may be
+thousands of singular points.
 """
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
@@ -182,7 +182,7 @@ def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str
 
 
 def _means(one: Singularity, result: Result) -> Iterator[dict[str, Any]]:
-    """Yield the means at each listed place of a singularity; singular lines and nodes of elements have no means."""
+    """Yield the means at the listed points of a singularity; lines, and results with a limit, have no means."""
     by_place = {} if one.line or one.limited or result.means is None else result.means.by_place
     for at in one.where[:_MOST_PLACES]:
         if (mean := by_place.get(at)) is not None:

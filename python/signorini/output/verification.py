@@ -48,7 +48,7 @@ _ABSENT = object()
 
 _PLACES = {"at", "where", "box", "from", "to", "x", "y", "contact_boundary"}
 _SAME = {"force": "reaction", "shear_stress": "stress"}
-"""Kinds of numbers whose tolerance follows from the largest number of another kind, which has the same unit."""
+"""Kinds of numbers compared relative to the largest number of another kind, the value here, of the same unit."""
 
 
 @dataclass(frozen=True)
@@ -230,7 +230,7 @@ def _unpacked(name: str, sha256: str | None, packed: Any, file: FilePath, room: 
 
 
 def _solved_again(stored: Mapping[str, Any], model: Model, watcher: Watcher) -> dict[str, Any]:
-    """Solve a model with the options of a file, and return the JSON of the results."""
+    """Solve a model again with the options stored in a file, and return the JSON of the results."""
     options = _table(stored.get("options"))
     if "engine" in options:
         raise InputError(
@@ -285,7 +285,7 @@ def _compared(pairs: list[tuple[Path, Any, Any]]) -> Iterator[tuple[Difference, 
         elif one != two:
             tolerance = TOLERANCE * scales[_kind(path)]
             if path[-2:] == ("principal_moment", 2):
-                # An error of the principal moments turns their direction by this error over the moments' difference.
+                # An error e of the principal moments m₁ and m₂ turns their direction by about e / (m₁ − m₂).
                 apart = pairs[place - 2][2] - pairs[place - 1][2]
                 tolerance = math.degrees(TOLERANCE * scales["moment"] / apart) if apart else 180.0
             if "plus_minus" in path:
@@ -294,7 +294,7 @@ def _compared(pairs: list[tuple[Path, Any, Any]]) -> Iterator[tuple[Difference, 
 
 
 def _scales(pairs: list[tuple[Path, Any, Any]]) -> dict[str, float]:
-    """Largest magnitude of each kind; rotations and couples, which may vanish up to rounding, have lower bounds."""
+    """Largest magnitude by kind of number; that of rotations and couples, which may be rounding, has a lower bound."""
     scales = dict.fromkeys(("place", "deflection", "reaction", "rotation", "couple"), 0.0) | {"certificate": 1.0}
     for path, one, two in pairs:
         if _numbers(one, two):
@@ -312,7 +312,7 @@ def _kind(path: Path) -> str:
 
 @cache
 def _kind_of(keys: tuple[str, ...]) -> str:
-    """Kind of numbers that are compared: "place", "certificate", a kind of quantity, else the keys themselves."""
+    """Kind of number at a path of keys: "place", "certificate", a kind of quantity, else the keys themselves."""
     if keys[-1] in _PLACES or keys[-1].endswith("_at"):
         return "place"
     if "certificate" in keys:

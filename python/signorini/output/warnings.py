@@ -33,7 +33,7 @@ count as zero.
 
 
 def warnings_of(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Each warning, with the names of the combinations to which it applies; the list is empty if it applies to all."""
+    """Warnings with the names of the combinations to which each applies; an empty list if it applies to all."""
     of_table = [*table_warnings(results, estimates)] if results.model.tabulated else []
     warned: dict[str, list[str]] = {}
     for result in results.full.values():
@@ -85,7 +85,7 @@ def _near_singularity(discretisation: Discretisation, xy: Sequence[float]) -> bo
 def _fields(
     results: Results, estimates: Estimates | None
 ) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any], float]]:
-    """Yield extremes of moments and shears, their half-widths and the largest force, per combination or table."""
+    """Yield extremes of moments and shears, their half-widths and the largest force: by combination, or of a table."""
     if results.model.tabulated:
         values = envelope_json(results, estimates)
         if values is not None and values["plus_minus"] is not None:

@@ -44,7 +44,7 @@ from signorini.results.result import Result
 
 
 class Fields(Protocol):
-    """Writer of the fields of a result in pieces, one for each process."""
+    """Writes the fields of a result that several processes computed: a .vtu file for each process."""
 
     @property
     def count(self) -> int:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from signorini.plot.picture import Job, Sheet
 
 _ENOUGH = 24
-"""Number of panels that a process draws in about the time of importing matplotlib."""
+"""Number of panels for each drawing process: to draw them takes about as long as to import matplotlib."""
 _MAX_ELEMENTS = 100_000
 """Largest number of elements for which several processes draw in parallel; the limit saves memory."""
 
@@ -72,7 +72,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _shared(sheets: Sequence[Sheet], count: int) -> list[list[Sheet]]:
-    """Distribute sheets over ``count`` processes: the largest sheet first, each to the process with fewest panels."""
+    """Distribute sheets of pictures over ``count`` processes: largest first, each to the one with fewest panels."""
     shares: list[list[Sheet]] = [[] for _ in range(count)]
     for sheet in sorted(sheets, key=lambda sheet: -sheet.panels):
         min(shares, key=lambda share: sum(sheet.panels for sheet in share)).append(sheet)

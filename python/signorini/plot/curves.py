@@ -18,15 +18,15 @@ from signorini.shapes.arrays import Floats
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
-"""Line styles; the next style is used when all colours are used."""
+"""Line styles of curves; when every colour has been used, the colours repeat in the next style."""
 _MAX_CURVES = len(_CURVES) * len(_STYLES)
 _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
 """Largest width of a line of legend text [inches]."""
 _DESIGN, _DWARFED = 0.97, 2.5
-"""If values in the last 3 % of t are over 2.5 times larger than before, the earlier 97 % set the scale of the panel."""
+"""If a value in the last 3 % of t exceeds 2.5 times all earlier ones, the panel's scale is that of the earlier 97 %."""
 _ROOM, _LONGEST = 0.04, 40
-"""Smallest distance of two event labels, relative to the last t; largest number of characters of a label."""
+"""Smallest distance in t of two event labels, relative to the last t; largest number of characters of a label."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
 """Largest difference of two curves that count as equal, relative to the largest value of all curves."""
@@ -121,7 +121,7 @@ def load_path_picture(
     _mark_events(axes, [(at, words) for at, words in events if at <= shown[-1]], float(shown[-1]))
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     if until is not None:
-        _mark(axes, until, "values beyond are too large to be drawn", _ASKED, bottom=True)
+        _mark(axes, until, "larger t is not drawn: deflections are too large", _ASKED, bottom=True)
     if limit is not None:
         _mark(axes, limit, f"equilibrium ends at t = {plain(limit, 6)}", _END)
         axes[-1].set_xlim(right=max(_ROOM * limit + limit, axes[-1].get_xlim()[1]))

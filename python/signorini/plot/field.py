@@ -53,7 +53,7 @@ _ON_OUTLINE = 1e-9
 _NUMBERS = 8.5
 """Font size of the numbers of a colour bar [points]."""
 _LEAST_AWAY, _BESIDE = 0.45, 0.15
-"""Least distance of the label from the colour bar, and space for ticks and gaps beside the numbers [inches]."""
+"""Least distance of a colour bar's label from the bar, and space for ticks and gaps beside the numbers [inches]."""
 _EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
 
 
@@ -76,7 +76,7 @@ class Scale:
         if low < 0 < high:
             norm = Normalize(-max(-low, high), max(-low, high))
         else:
-            # The smallest pressure must differ from the plate, which is white where the pressure is zero.
+            # The colour of the smallest pressure must differ from white, the colour of places with zero pressure.
             more = (high - low) * (1.0 if isinstance(panel.values, np.ndarray) else 1.0 + _TINT)
             norm = Normalize(low - more, high) if high > 0 else Normalize(low, high + more)
         return cls(bounds, colormaps[panel.colours], norm)
@@ -150,7 +150,7 @@ def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.boo
     """Mask (k,) of the points (k, 2) in a layer's outline or on it; ``size`` is the plate's size."""
     if layer.outline is None:
         return np.ones(len(places), np.bool_)
-    # Whether a positive or a negative radius includes points on the outline depends on its orientation, so try both.
+    # The sign of ``radius`` that includes points on the outline depends on the outline's orientation, so try both.
     tolerance = _ON_OUTLINE * size
     (outer, *holes), radii = map(Path, pieces(layer.outline)), (tolerance, -tolerance)
     within: NDArray[np.bool_] = np.any([outer.contains_points(places, radius=radius) for radius in radii], axis=0)

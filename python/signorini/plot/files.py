@@ -23,7 +23,7 @@ _FAST = 1
 DOTS = 120
 """Dots per inch of .png files."""
 _COLOURS = 64
-"""Number of colours of pictures with a palette."""
+"""Number of colours of .png files with a palette, see `with_palette`."""
 
 
 def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str] | None = None) -> None:

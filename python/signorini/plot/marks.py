@@ -29,9 +29,9 @@ LARGEST, _SMALLEST = 8.5, 3.2
 _SAMPLE = 7.0
 """Width of the mark of a support in the legend [points]."""
 _FEW = 600
-"""Largest number of points for which all distances between points are computed."""
+"""Largest number of points whose distances set the size of marks; for more points, their number per area does."""
 _FITS = 0.8
-"""Size of a mark, relative to its distance from the nearest mark."""
+"""Size of the marks of a support, relative to their typical distance."""
 _SPACED = {"line": 0.55, "area": 1.1}
 """Distance of the marks along a line support, and along the outline of an area support [inches]."""
 _INSIDE = 0.35
@@ -197,7 +197,7 @@ def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, 
 
 
 def _fitting(positions: Floats, per_unit: float) -> float:
-    """Size [points] of the marks at points (k, 2): 0.8 times their typical distance, within the limits of the size."""
+    """Size [points] of the marks at points (k, 2): 0.8 times their typical distance, from `_SMALLEST` to `LARGEST`."""
     if len(positions) < 2:
         return LARGEST
     spread = np.ptp(positions, axis=0) * per_unit * 72

@@ -98,7 +98,7 @@ def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
 
 
 def _spread(count: int) -> NDArray[np.int64]:
-    """Indices of up to five evenly spaced items out of ``count``, the middle item first."""
+    """Indices of up to five evenly spaced positions for a label out of ``count``, the middle one first."""
     if count <= _MAX_PLACES:
         return np.roll(np.arange(count), -(count // 2))
     return np.linspace(0, count - 1, _MAX_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]

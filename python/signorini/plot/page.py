@@ -30,7 +30,7 @@ _TITLE = 0.4
 _TALLEST_BAR = 5.0
 """Largest height of a colour bar [inches]."""
 _NARROWEST, _SAMPLES = 4.2, 1.1
-"""Smallest width of a page; width of a legend that its sample symbols need [inches]."""
+"""Smallest width of a page; part of a legend's width that its sample symbols take [inches]."""
 _TITLE_SIZE = 11.0
 """Font size of titles [points]."""
 _TICKS = 0.6
@@ -77,7 +77,7 @@ class Page:
         self._place()
 
     def artists(self) -> list[Artist]:
-        """All drawn objects of the plans and of the page."""
+        """Artists of matplotlib in the plans and on the page."""
         return [artist for part in (*self.plans, self.figure) for artist in part.get_children()]
 
     def make_room(self, title: str, words: Sequence[str]) -> None:

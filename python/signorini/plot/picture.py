@@ -160,7 +160,7 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class LineDiagram:
-    """Values (m, k) at stations (k, 2) of a line, drawn along normals (k, 2).
+    """Reactions per length (m, k) at stations (k, 2) of a line support, drawn along normals (k, 2).
 
     There is one row of values (m = 1), or a row of the largest and a row of the smallest (m = 2). ``begins`` (k,) marks
     the first station of each connected run. ``words`` are labels, each with its station and value; ``corner_words`` are

@@ -31,7 +31,7 @@ _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
 """Style of the hatching of elements that extremes exclude."""
 _FINE = 4000
-"""Largest number of elements that are drawn with fine triangles. If there are more, each is drawn as two triangles."""
+"""Largest number of elements that are each drawn as several triangles; if there are more, each is drawn as two."""
 _SAME = 1e-7
 """Largest distance of points that coincide, relative to the plate's size: far above rounding."""
 _FAINTEST = 0.07
@@ -47,7 +47,7 @@ class Plan:
     nodes: Floats  # (n, 2): positions of the nodes
     cells: NDArray[np.int64]  # (e, 8): node numbers of the elements
     left_out: NDArray[np.bool_] | None = None  # (e,): elements that are hatched and show no field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points inside the window
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): more points in the picture
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -69,7 +69,7 @@ class Plan:
 
     @cached_property
     def edges(self) -> tuple[Path, Path, Path]:
-        """Edges between elements; the plate's outline; and inner borders, along which each side has its own nodes."""
+        """Edges between elements; the plate's outline; inner borders, where elements on either side share no nodes."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
         # Along an inner border, the edges of the two elements have the same points in opposite order.
         steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
@@ -84,7 +84,7 @@ def triangulation(cut: Tessellation, nodes: Floats) -> Triangulation:
     """Convert triangles and node positions (n, 2) to a triangulation of matplotlib."""
     x, y = cut.interpolate(nodes).T
     made = Triangulation(x, y, cut.triangles)
-    # Without this line matplotlib would check the triangles for each picture.
+    # Without this line matplotlib would test for each picture whether these are Delaunay triangles.
     made.is_delaunay = False
     return made
 
@@ -213,9 +213,9 @@ _LEADER = 10.0
 """Smallest distance from a label to its point at which a line joins them [points]."""
 _APART, _MISTAKEN = 3.0, 400
 """Distance [points] by which a label must be nearer to its own point than to other points; cost, in eighths, of a label
-that is less near."""
+that is not."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of a label that covers text, leaves the plan, or covers marks. Each further candidate position costs 1/8."""
+"""Costs of a label wholly on text, outside the plan, or on marks; each further candidate position costs 1/8 more."""
 
 
 @dataclass(eq=False)

@@ -30,7 +30,7 @@ def study_picture(
 ) -> Figure:
     """Draw one result of a study: values (n,) of the solved variants, and values (n,) of each parameter.
 
-    ``units`` are those of the result and of the parameters, by name. Values above ``limit`` fail.
+    ``units`` are those of the result and of the parameters, by name. Values above ``limit`` are counted in the legend.
     """
 
     def label(name: str) -> str:
