@@ -40,13 +40,13 @@ _FOLLOWED = 0.5
 _SMALLER = 0.5
 """Element size that warnings suggest, relative to the present elements that a line cuts or that form a strip."""
 _STRIP = 4
-"""Smallest number of elements of an elastic area that counts as a strip; fewer elements are a pad."""
+"""Smallest number of elements with which an area that is one element wide counts as a strip, not as a pad."""
 _INSIDE = 1e-6
-"""Two areas overlap if a point of one is deeper inside the other than this depth, relative to the plate's size."""
+"""Depth of a point of one area inside another above which the areas overlap, relative to the plate's size."""
 _TOUCH = 1e-6
 """Largest common area of two regions that only touch, relative to the area of the smaller region."""
 _NOTHING = 1e-9
-"""Component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
+"""Largest component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
 _HARDLY = 1e-6
 """Largest tension of an area that counts as zero, relative to the area's largest pressure."""
 _OUTWEIGHS = 1e3
@@ -399,7 +399,7 @@ def _one_element(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _one_across(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of elastic strips and rings, such as gaskets, that are one element wide: all corners are on the rim."""
+    """Warn of elastic strips and rings, such as gaskets, that are one element wide: all corner nodes are on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
         if support.area is None or not support.is_elastic:
