@@ -28,7 +28,7 @@ from signorini.results.result import Result
 class Segment(Brief):
     """Segment of the path between two stops. No contact point changes its piece in it, so the answer is linear in t."""
 
-    begin: PathStop  # states of the plate at the first and the last t of the segment
+    begin: PathStop  # stops at the first and the last t of the segment
     end: PathStop
     pieces: Pieces  # (m,): piece of its law on which each contact point is in the segment
 

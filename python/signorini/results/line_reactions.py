@@ -75,7 +75,7 @@ class Pieces:
         if sides is not None:
             tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
             return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
-        assert where.curve is not None  # supports that are not edges are along a line or a circle
+        assert where.curve is not None  # A line support that is not on edges has a curve.
         parts = []
         for arc, stops, elements in curve_pieces(mesh, where.curve):
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
@@ -160,9 +160,9 @@ class Line:
     forces: csr_array  # (v, p): maps the forces of the support's points to forces at the vertices
     # (v, 2n): maps couples on θx and θy of nodes to forces at the vertices; None unless the support holds the twist
     couples: csr_array | None
-    # (k, k): maps means at stations to reactions per length, which are extrapolated at ends of the line
+    # (k, k): maps mean reactions per length at stations to reactions per length, extrapolated at ends of the line
     extrapolated: csr_array
-    # (k,): for a station in the zone at an end of the line, a station beyond it; for others the station itself
+    # (k,): station whose mean, with a station's own, bounds its reaction: beyond the end zone, elsewhere the station
     beside: Ints
     zones: csr_array  # (c, v): 1 at the vertices in the end zone of each concentrated force
     corners: Floats  # (c, 2): positions of the corners and ends that have a concentrated force

@@ -117,7 +117,7 @@ class PathEvent:
     # closed part of the support at the event; for "part closed" 0.75, 0.5 or 0.25
     closed: float
     opening: bool  # whether the closed part of the support decreases at the event
-    # index, in the support's `margins`, of the margin that changes sign; for a line or area the index in `LEVELS`
+    # index in `margins` of the margin that changes sign (in `LEVELS` for lines and areas); 0 for points on exact paths
     number: int = 0
 
 

@@ -139,7 +139,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """Catalogue of the numbers of stops; numbers of points are included if there are at most `_MOST_POINTS` points."""
+    """Catalogue of the numbers that stops store; numbers of points are included if there are at most `_MOST_POINTS` points."""
     whole = catalogue_of(discretisation, path_fields(discretisation.model), "paths")
     measured = {whole.numbers[place].home for check in checks_in(whole) for place in check.measured}
     many = len(whole.at("point", "reaction")) > _MOST_POINTS and "point" not in measured
@@ -147,7 +147,7 @@ def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
 
 
 def path_fields(model: Model) -> tuple[str, ...]:
-    """Fields whose extremes are numbers of stops: the deflection, and checked fields."""
+    """Names of the fields whose extremes each stop stores: the deflection, and checked fields."""
     return tuple(name for name in FIELDS if name in ("deflection", *checked_fields(model)))
 
 

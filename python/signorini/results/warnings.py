@@ -38,7 +38,7 @@ from signorini.singularities.singularity import at_peaks
 _FOLLOWED = 0.5
 """Smallest part of a line's length on element sides with which the mesh counts as following the line."""
 _SMALLER = 0.5
-"""Element size that warnings suggest, relative to the present elements that a line cuts or that form a strip."""
+"""Element size that warnings suggest, relative to the size of elements that a line cuts or that form a strip."""
 _STRIP = 4
 """Smallest number of elements with which an area that is one element wide counts as a strip, not as a pad."""
 _INSIDE = 1e-6
@@ -350,7 +350,7 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
             size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
             where = f"along it, such as at {point(points.positions[first], mesh.size)}"
             shared = isinstance(item, Support) and item.is_rigid
-            near = ", and near other supports the error of its reaction may exceed ±" if shared else ""
+            near = ", and near other supports the error of its reaction may exceed its ±" if shared else ""
             yield (
                 f"The mesh does not follow the {item.place} of {name}: in the elements that the line cuts, moments "
                 f"and shears are means of both sides{near}. {to_follow(model, where, size)}"
@@ -487,7 +487,7 @@ def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
-    """Yield each pair of owners whose regions overlap, with a point inside the bounding boxes of both regions."""
+    """Yield each pair of supports or loads with overlapping regions, and a point in the bounding boxes of both."""
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
     begin = [shape.bounds[0] for _, shape in shapes]
