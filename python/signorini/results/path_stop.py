@@ -139,7 +139,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """Catalogue of the numbers that stops store; numbers of points are included if there are at most `_MOST_POINTS` points."""
+    """Catalogue of the numbers that stops store; those of points only if there are at most `_MOST_POINTS` points."""
     whole = catalogue_of(discretisation, path_fields(discretisation.model), "paths")
     measured = {whole.numbers[place].home for check in checks_in(whole) for place in check.measured}
     many = len(whole.at("point", "reaction")) > _MOST_POINTS and "point" not in measured
