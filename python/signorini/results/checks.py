@@ -30,7 +30,7 @@ class CheckedNumbers:
     utilisation: int
 
     def governing(self, values: Floats) -> tuple[Ints, Floats]:
-        """Index (k,) in ``measured`` of the number with the largest utilisation, and this utilisation, in k results."""
+        """Index (k,) in ``measured`` of the most utilised number in each of k results, and its utilisation (k,)."""
         used = self.check.used(values[:, self.measured])
         which = np.where(np.isnan(used), -np.inf, used).argmax(axis=1)
         return which, np.take_along_axis(used, which[:, None], axis=1)[:, 0]
@@ -70,7 +70,7 @@ def utilisations(model: Model) -> dict[str, tuple[str, Check]]:
 
 
 def quantity_of(model: Model, field: str) -> tuple[Quantity, Quantity]:
-    """Quantity of a field, pressure or utilisation, and the measured quantity: for a utilisation the checked field."""
+    """Quantity of a field, and the one that it is computed from: itself or, for a utilisation, the checked field."""
     if field in PICTURED:
         return PICTURED[field], PICTURED[field]
     measured, check = utilisations(model)[field]
@@ -94,7 +94,7 @@ def completed(catalogue: Catalogue, values: Floats, combinations: Sequence[Combi
 def overturned(
     discretisation: Discretisation, catalogue: Catalogue, values: Floats, loads: Sequence[Combination | str]
 ) -> Floats:
-    """Fill in the values 1/λ of overturning checks among the numbers (k, n), except for loads given only by a name."""
+    """Fill in the values 1/λ of overturning checks among the numbers (k, n) if the load is a combination."""
     result, rows = values.copy(), [row for row, load in enumerate(loads) if not isinstance(load, str)]
     combinations = [load for load in loads if not isinstance(load, str)]
     for one in checks_in(catalogue):
@@ -108,8 +108,8 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
     """Fill in the half-widths of checks in the half-widths (k, n) of all numbers.
 
     A check's value has the half-width of the governing number; its utilisation has this half-width divided by the
-    limit. The load factor of overturning is exact, with half-width 0. If supports are ``limited``, their points depend
-    on the mesh, and the factor's half-width is NaN.
+    limit. The load factor of overturning is exact, with half-width 0. Only if supports have force limits (``limited``)
+    does this factor depend on the mesh; its half-width is then NaN.
     """
     result = widths.copy()
     for one in checks_in(catalogue):

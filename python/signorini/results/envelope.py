@@ -27,7 +27,7 @@ from signorini.results.state import ResultState
 _SIGNS = (1.0, -1.0)
 """Signs by which values are multiplied so that the largest product is the maximum (+1) or the minimum (−1)."""
 NONE = -1
-"""Stands for the number of the governing result in an envelope that contains no result yet."""
+"""Number of the governing result in an envelope that contains no result yet."""
 _GOVERNING = 12
 """Largest number of governing results that `Envelope.rows` lists."""
 _EQUAL = 1e-9
@@ -60,7 +60,7 @@ class Extremes:
         return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
 
     def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
-        """Extend the extremes by the values (k, n) of k further results, whose numbers ``who`` (k,) rise.
+        """Extend the extremes by the values (k, n) of k further results, numbered ``who`` (k,) in rising order.
 
         ``size`` is the largest magnitude of each number's kind. Returns a mask (n,) of the largest values that changed,
         and one of the smallest values that changed.
@@ -109,7 +109,7 @@ class Extremes:
 
     @property
     def ends(self) -> tuple[int, int]:
-        """Index of the number with the largest of all values, and with the smallest; ties: the first result."""
+        """Indices of the numbers with the largest and the smallest of all values; ties: that of the first result."""
         within = _EQUAL * self.size.max()
         high, low = (
             np.where(sign * of >= (sign * of).max() - within, by, np.iinfo(np.int64).max).argmin()
@@ -129,7 +129,7 @@ class Extremes:
         classes: Ints,
         left_out: Bools,
     ) -> tuple[Floats, Ints]:
-        """Extend the extremes ``each`` of several fields by k results that are sums; ``who`` (k,) are their numbers.
+        """Extend the extremes ``each`` of several fields by k superposed results, numbered ``who`` (k,).
 
         The formulas of the fields take sums of ``inputs`` (b, n) with coefficients (k, b), the thickness (n,) and
         `Model.bars`. Returns the maximum and minimum over the nodes of each field in each sum (f, k, 2), and the nodes
@@ -172,15 +172,15 @@ class Envelope:
     # extremes of each field at every node, by name of the field; "reaction" is the nodal force of the supports
     fields: dict[str, Extremes]
     pressures: dict[str, tuple[Ints, Extremes]]
-    """Numbers (k,) of the nodes on elastic areas with the extremes of "contact_pressure" at these nodes.
+    """Indices (k,) of the nodes on elastic areas, and the extremes of "contact_pressure" at these nodes.
 
-    Also, numbers (k,) of the elements on rigid areas with the extremes of "rigid_contact_pressure".
+    Also, indices (k,) of the elements on rigid areas, and the extremes of "rigid_contact_pressure" in these elements.
     """
     along: dict[int, Extremes]
     """Extremes of an area's pressures at its `pressure_places`, or of the reactions of a line's points, by support."""
     on_lines: Extremes  # extremes of reactions per length and concentrated forces of all lines, see `Layout.on_lines`
-    open_in: tuple[Ints, ...]  # for each support and point, the number of results with this point open
-    lifted_in: tuple[Ints, ...]  # for each support and point, the number of results with lift-off
+    open_in: tuple[Ints, ...]  # for each support, counts (p,) of the results in which each point is open
+    lifted_in: tuple[Ints, ...]  # for each support, counts (p,) of the results with lift-off at each point
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -227,7 +227,7 @@ class Envelope:
         return Ends(high.max, high.max_by, low.min, low.min_by)
 
     def utilisation(self, field: str, check: Check) -> tuple[Floats, Ints]:
-        """Largest utilisation (n,) of a checked field at each node, and the row (n,) that has it; NaN without a row."""
+        """Largest utilisation (n,) of a checked field at each node, and the row (n,) of the table with it; else NaN."""
         sides = self.fields[field].sides
         used = [np.where(by == NONE, -np.inf, check.used(values)) for values, by in sides]
         smallest = used[1] > used[0]
@@ -312,7 +312,7 @@ class Envelope:
 
     @property
     def rows(self) -> list[int]:
-        """Numbers of the governing results: extremes of fields, then reactions, then sections; at most `_GOVERNING`."""
+        """Numbers of at most `_GOVERNING` results with extremes: of fields, then of reactions, sections and means."""
         result = [self.field(name) for name in self.layout.fields]
         if "reaction" in self.fields:
             of = self.fields["reaction"]
@@ -328,7 +328,7 @@ class Envelope:
 
 
 def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
-    """Yield the indices in a catalogue of maxima (``side`` 0) or minima (1): of fields, then of means at singularities.
+    """Yield a tuple for the maxima (``side`` 0) or minima (1) of fields, then one for those of means at singularities.
 
     Each tuple has the indices (k,) in the catalogue, the indices (k,) of the fields, and the index in `ENDS`.
     """

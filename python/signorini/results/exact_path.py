@@ -28,7 +28,7 @@ from signorini.results.result import Result
 class Segment(Brief):
     """Segment of the path between two stops. No contact point changes its piece in it, so the answer is linear in t."""
 
-    begin: PathStop  # states of the plate at the first and the last t of the segment
+    begin: PathStop  # stops at the first and the last t of the segment
     end: PathStop
     pieces: Pieces  # (m,): piece of its law on which each contact point is in the segment
 
@@ -86,7 +86,7 @@ class ExactPath(LoadPath):
         return "; ".join(part for part in (super().words(index), moves * jumps) if part)
 
     def _beside(self, t: float) -> Iterator[Floats]:
-        """Yield the reactions (m,) at the middle of each segment, without jumps, that contains t or ends at t."""
+        """Yield contact reactions (m,) at the middle of each segment, except jumps, that contains t or ends at t."""
         held = self.problem.discretisation.held.values
         for segment in self.segments:
             if segment.begin.t <= t <= segment.end.t and not segment.jumps:
@@ -121,7 +121,7 @@ class ExactPath(LoadPath):
         methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(discretisation, load, answer, made_of)
         if not certificate.passed:
-            # The contact state does not determine how redundant supports share a reaction: solve for this load.
+            # On this contact state redundant supports may share a reaction wrongly; solve for the load at t instead.
             tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
@@ -135,7 +135,7 @@ class ExactPath(LoadPath):
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
-    """Yield the reactions (m,), of either sign, at a much larger t with the contact points fixed on ``pieces``.
+    """Yield the contact reactions (m,), of either sign, at a much larger t if all points stay on their ``pieces``.
 
     Nothing is yielded if these pieces do not hold the plate.
     """

@@ -67,7 +67,7 @@ class FieldExtremes:
     def of(
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
-        """Find the extremes of a field at those nodes that are ``away`` (n,) from the singularities of ``number``."""
+        """Find a field's extremes at the nodes ``away`` (n,) from singularities of ``number``, such as "moment"."""
         places, counting = nodes.points[: len(values)], nodes.counting(len(values)) & ~np.isnan(values)
         if not counting.any():
             nowhere = (math.nan, (math.nan, math.nan), "")
@@ -110,7 +110,7 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
 _LINES |= {"as_x": [0], "as_y": [1]}
-"""Indices of the lines of `Beside` for the means of each field at a singular point.
+"""For each field, the indices of the lines of `Beside` along which its means at singular points are taken.
 
 Keys are names of fields without "_top" or "_bottom". All other fields of moments have means along lines 0 and 1.
 """
@@ -181,7 +181,7 @@ def extremes_under(
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the k points of `Beside`, near which values are excluded.
+    """Means (k, 10) of moments and shears of one result at the k singular points of `Beside`.
 
     ``acting`` (k,) is the mask of the points that are singular under the load. ``faces`` are the columns whose bars are
     designed for moments at the column's face.
@@ -213,7 +213,7 @@ class Means:
 
     @cached_property
     def by_place(self) -> Mapping[tuple[float, float], dict[str, float]]:
-        """Means of moments and shears by position of the singular point; along two lines the larger in magnitude."""
+        """Means of moments and shears by position of the singular point; of two lines, the mean of larger magnitude."""
         result: dict[tuple[float, float], dict[str, float]] = {}
         for (x, y), within, mean in zip(self.beside.places.tolist(), self.beside.within, self.values, strict=True):
             pairs = {"mx": mean[:1], "my": mean[4:5], "mxy": mean[[2, 5]], "qx": mean[6:8], "qy": mean[8:]}

@@ -26,7 +26,7 @@ from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Return the part of a combination's JSON that has numbers of the result, such as "fields" and "supports"."""
+    """Return those parts of a combination's JSON that have numbers of the result, such as "fields" and "supports"."""
     solved = result.status == "solved"
     ends = _all_places(result) if solved else {}
     deflection = ends.pop("deflection", None)

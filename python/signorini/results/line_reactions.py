@@ -39,20 +39,20 @@ _APART = 2.0
 deflection of each element, and the forces of neighbouring elements alternate; a longer distance averages them.
 """
 _PARALLEL = 1e-9
-"""Largest eigenvalue that counts as zero, relative to the largest eigenvalue. An eigenvalue of the fit of a linear
-reaction is zero if all points in a rigid zone are on a straight line.
+"""Largest eigenvalue that counts as zero in the fit of a linear reaction, relative to the largest eigenvalue. One
+eigenvalue is zero if all vertices of the line in a rigid zone are on a straight line.
 """
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
 """Length of the zone at the end of a line in which the reaction per length is extrapolated: 3 times the plate's
-thickness h, at most a quarter of the run. A Mindlin plate spreads the concentrated force at the end over a boundary
-layer of width δ = 0.32 h.
+thickness h, at most a quarter of a smooth run. A Mindlin plate spreads the concentrated force at the end over a
+boundary layer of width δ = 0.32 h.
 """
 _WIDTH, _SEEN = 10.0**-0.5, 2.65
-"""Width δ of the boundary layer relative to the thickness h. The mesh shows x tanh(1/x) times this width, x = 2.65 h/s
-for elements of size s.
+"""Width δ of the boundary layer relative to the thickness h. On a mesh of elements of size s the layer has the width
+x tanh(1/x) δ, with x = 2.65 h/s.
 """
 _NEIGHBOURS = 3
-"""Number of stations beyond the end zone through which the extrapolated parabola passes."""
+"""Number of stations beyond the end zone through whose means the extrapolated parabola passes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Pieces:
         if sides is not None:
             tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
             return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
-        assert where.curve is not None  # supports that are not edges are along a line or a circle
+        assert where.curve is not None  # A line support that is not on edges has a curve.
         parts = []
         for arc, stops, elements in curve_pieces(mesh, where.curve):
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
@@ -160,9 +160,9 @@ class Line:
     forces: csr_array  # (v, p): maps the forces of the support's points to forces at the vertices
     # (v, 2n): maps couples on θx and θy of nodes to forces at the vertices; None unless the support holds the twist
     couples: csr_array | None
-    # (k, k): maps means at stations to reactions per length, which are extrapolated at ends of the line
+    # (k, k): maps mean reactions per length at stations to reactions per length, extrapolated at ends of the line
     extrapolated: csr_array
-    # (k,): for a station in the zone at an end of the line, a station beyond it; for others the station itself
+    # (k,): station whose mean, with a station's own, bounds its reaction: beyond the end zone, elsewhere the station
     beside: Ints
     zones: csr_array  # (c, v): 1 at the vertices in the end zone of each concentrated force
     corners: Floats  # (c, 2): positions of the corners and ends that have a concentrated force
@@ -263,7 +263,7 @@ class LineReactions(Remade):
     normals : (k, 2) array
         Unit normals of the line, to its right; outward on edges.
     s : (k,) array
-        Length of the support from its beginning to each station.
+        Length along the line from its beginning to each station.
     lengths : (k,) array
         Length of the line that each station represents.
     reactions : (k,) array
@@ -276,7 +276,7 @@ class LineReactions(Remade):
     corner_reactions : (c,) array
         Concentrated forces at ``corners``.
     points_s : (p,) array
-        Length of the support from its beginning to each of its points.
+        Length along the line from its beginning to each point of the support.
 
     Examples
     --------
@@ -379,7 +379,7 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
 
 
 def _body(bodies: Bodies, nodes: Ints) -> Ints:
-    """For each of nodes (q,), the leader of the rigid zone that contains the node; −1 outside rigid zones."""
+    """For each of nodes (q,), the leader node of the rigid zone that contains it; −1 outside rigid zones."""
     return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
 
 
@@ -447,7 +447,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
-    """Weights (n,) that give the mean at ``station`` from the means at stations ``near``, exactly for polynomials."""
+    """Weights (n,) of the means at n stations ``near`` in that at ``station``, exact for polynomials of degree < n."""
     every = [station, *near]
     before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
     s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
@@ -461,7 +461,7 @@ def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
 def _force_pairs(
     discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
 ) -> csr_array | None:
-    """Matrix (v, 2n) that maps couples to forces ±C/h at the ends of sides of length h; C holds the side's twist."""
+    """Matrix (v, 2n) that maps nodal couples to forces ±C/h at the ends of sides of length h with twisting couple C."""
     if (sides := pieces.sides) is None:
         return None
     mesh, held = discretisation.mesh, discretisation.held.bodies.inside
@@ -492,7 +492,7 @@ def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bool
 
 
 def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
-    """Mask (k, 3) of the nodes of sides at which no other side in ``held`` ends, except a straight continuation."""
+    """Mask (k, 3) of the sides' nodes, not ``rigid``, at which no other ``held`` side ends or one goes straight on."""
     tangents = quadratic_tangents(mesh, sides)
     _, once = np.unique(held[:, 1], return_index=True)
     meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))

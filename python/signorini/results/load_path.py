@@ -40,10 +40,10 @@ plate is almost free to move in any contact state.
 """
 
 _DRAWN = 2.0
-"""Largest ratio of deflection to thickness that is drawn; the theory does not hold for larger deflections."""
+"""Ratio of deflection to thickness at which the picture of a path ends; the theory does not hold beyond it."""
 
 _AFTER = 2.0
-"""Last t that is drawn, relative to the t of the last event, if the path has no other end."""
+"""Last t in the picture of a path without end, relative to the t of the path's last event."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -276,7 +276,7 @@ class LoadPath(States[float]):
 
     @property
     def _drawn(self) -> float | None:
-        """The t at which deflections exceed `_DRAWN` times the thickness; None if before the first event, or never."""
+        """The t at which deflections reach `_DRAWN` times the thickness; None if before the first event, or never."""
         thickness = bending_thickness(self.discretisation)
         places = np.array(
             [stop.smallest_at if stop.utmost == stop.smallest else stop.largest_at for stop in self.stops]
@@ -290,7 +290,7 @@ class LoadPath(States[float]):
 
     @property
     def _last(self) -> float | None:
-        """Largest drawn t of a path that has no end, `_AFTER` times the t of the last event; None for other paths."""
+        """Last t in the picture of a path without end: `_AFTER` times the t of the last event. None for other paths."""
         events = self.support_events
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
@@ -365,7 +365,7 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
     """The parts of the load, start and t add, relative to which `certify` tolerates rounding.
 
-    The t is raised where add would be negligible compared with start.
+    At small t, t add is replaced by the multiple of add that is as large as start.
     """
     start, add = (float(np.abs(load.nodal).max()) for load in loads)
     return loads[0], max(t, start / add if start and add else 1.0) * loads[1]

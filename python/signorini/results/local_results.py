@@ -129,7 +129,7 @@ def probe_results(
 ) -> tuple[ProbeResult, ...]:
     """Results of probes at positions (q, 2), from fields (q, 8), pressures (q,) and thickness (q,) there.
 
-    Pressures are NaN off area supports. ``bars`` are `Model.bars`, ``of_bars`` (q, 3) the moments for their design.
+    Pressures are NaN off area supports. ``of_bars`` (q, 3) are the moments for the design of ``bars``, `Model.bars`.
     """
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist(), of_bars.tolist()
     return tuple(
@@ -324,7 +324,7 @@ class SectionsAndStrips(TypedDict):
 
 
 _ACROSS = 9
-"""Number of points across a strip among which the least thickness is sought."""
+"""Number of points across a strip at which the thickness is evaluated to find the least thickness."""
 
 
 @kept
@@ -352,8 +352,8 @@ def strip_sections(discretisation: Discretisation) -> tuple[Floats, Ints]:
 def designed(discretisation: Discretisation, what: str, through: Floats) -> Floats:
     """Design moments or required reinforcement (..., c) at c stations of strips, from means (..., c + f, 3).
 
-    The last f means are at faces of columns. A station inside a column has the larger of the values at the column's
-    faces.
+    The last f means are at faces of columns. A station inside a column has the value of larger magnitude of those at
+    the column's faces.
     """
     values = along_strips(what, through, *strip_sections(discretisation), discretisation.model.bars)
     faces = np.array([station for station, _ in discretisation.sections.faces], np.int64)
@@ -368,13 +368,13 @@ def designed(discretisation: Discretisation, what: str, through: Floats) -> Floa
 def least_along(discretisation: Discretisation, face: str, areas: Sequence[float]) -> Bools:
     """Mask (c,) of the stations of strips at which the required area is the minimum reinforcement for the thickness."""
     bars, count, (thickness, axis) = discretisation.model.bars, len(areas), strip_sections(discretisation)
-    assert bars is not None  # There are no areas of bars without [reinforcement].
+    assert bars is not None  # A model without [reinforcement] has no areas of bars.
     x, y = (bars.are_least(f"as_{name}_{face}", np.array(areas), thickness[:count]) for name in "xy")
     return np.where(axis[:count] == 0, x, y)
 
 
 def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
-    """Results of sections and strips from ``through`` (3s,): moment, twist, shear of each section and each station."""
+    """Results of sections and strips from ``through`` (3s,): moment, twist and shear of s sections and stations."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=False))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]

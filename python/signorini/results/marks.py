@@ -51,7 +51,7 @@ _MOST_EDGES = 40
 _MOST_NUMBERS = 100
 """Largest number of points of supports that are numbered in a picture."""
 _SAME = 1e-9
-"""Tolerance for equal x of the two possible positions of an edge's name, relative to the plate's size."""
+"""Difference in x at which the two possible positions of an edge's name count as equal, relative to plate size."""
 _ALONG = 200
 """Number of parts into which a drawn line is divided; each part is drawn open or closed like the nearest contact point.
 """
@@ -71,13 +71,13 @@ def support_mark(
     numbers: Sequence[str] = (),
     words: str = "",
 ) -> SupportMark:
-    """Mark of a support with points at positions (k, 2); ``closed`` (k,) is their mask, None before the solution.
+    """Mark of a support with points at positions (k, 2); ``closed`` (k,) marks closed points, None before the solution.
 
     ``numbers`` are drawn beside the positions, ``words`` follow the support's kind in the legend.
     """
     style = _STYLES.get(support.place, "line")
     if support.fixed:
-        closed = None  # this support never opens, so it has no states
+        closed = None  # a fixed support never opens, so its points have no states to draw
     counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
@@ -141,7 +141,7 @@ def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged"
 
 
 def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> PressureLayer:
-    """Pressure layer of an area support; ``pressure``, (n,) at nodes or (ne,) if rigid, replaces the area's own."""
+    """Layer of an area support's pressure, or of ``pressure``: (n,) at nodes, or (ne,) in elements if it is rigid."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     covered = area.support.where.region
@@ -299,7 +299,7 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
-    """Marks with the names of edges. A name is placed before its edge's middle, where a load's value may be drawn.
+    """Marks with the names of edges. A name is placed beside its edge's middle, since a load's value may be there.
 
     If there are too many names, the sides of holes are not named; if there are still too many, no edge is named.
     """
@@ -322,20 +322,20 @@ def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
 
 
 def _prints(item: Support | Load) -> Floats:
-    """Outlines (k, 2) of the footprints of a support's or load's points; a row of NaN is between two outlines."""
+    """Outlines (k, 2) of the footprints of a support's or load's points; a row of NaN is before each outline."""
     outlines = [part for shape in item.where.footprints for part in (_BREAK, _loops(shape))]
     return np.concatenate(outlines or [np.zeros((0, 2))])
 
 
 def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[float, float]) -> Floats:
-    """Outline (5, 2) of a footprint ``patch`` at a point; ``along`` is the direction of its length."""
+    """Outline (5, 2) of a rectangle with sides ``patch`` around a point; the first side has the direction ``along``."""
     corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * patch
     (tx, ty) = along
     return np.asarray(at + corners @ np.array([[tx, ty], [-ty, tx]]))
 
 
 def drawn(mesh: Mesh, where: Where) -> Floats:
-    """Vertices (k, 2) of the points, edges, line, circle or area's outline of ``where``; NaN rows between parts."""
+    """Vertices (k, 2) that draw ``where``: points, edges, a line, a circle or an outline; NaN rows between parts."""
     if where.points:
         return np.array(where.points)
     if where.edges:
@@ -364,7 +364,7 @@ def _divided(line: Floats) -> Floats:
 
 
 def _around(mesh: Mesh) -> Floats:
-    """Outline (k, 2) of the plate; a row of NaN between its closed curves."""
+    """Outline (k, 2) of the plate and its holes; a row of NaN is before each closed curve."""
     sides = mesh.sides.reshape(-1, 3)
     _, first, uses = np.unique(sides[:, 1], return_index=True, return_counts=True)
     outer = sides[first[uses == 1]]
@@ -373,7 +373,7 @@ def _around(mesh: Mesh) -> Floats:
 
 
 def _chained(mesh: Mesh, name: str) -> Floats:
-    """Vertices (k, 2) of an edge of the mesh, from side to side."""
+    """Vertices (k, 2) of an edge of the mesh along its element sides; a row of NaN before each connected part."""
     pieces: list[Floats] = []
     last = -1
     for nodes in mesh.edges[name].tolist():

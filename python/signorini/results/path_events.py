@@ -26,11 +26,11 @@ LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Closed parts at which a line or area has an event: 1 (it begins to open), 0.75, 0.5, 0.25, and 0 (all of it is open).
 """
 WHOLE = 1e-12
-"""Largest closed part of a support that counts as zero."""
+"""Largest difference of a support's closed part from 0 or 1 that counts as zero."""
 _EQUAL = 1e-10
 """Rounding error of a quantity that has a threshold, relative to the threshold's value."""
 _TOUCHING = 1e-9
-"""Largest overlap that counts as contact without pressure, relative to the largest overlap; as for contact areas."""
+"""Largest overlap of plate and area that counts as zero, relative to the largest overlap or gap at points and nodes."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
@@ -106,7 +106,7 @@ _MOST_POINTS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class PathEvent:
-    """An event of a support: a point opens, closes or yields, or the closed part of a line or area passes a level."""
+    """An event of a support: a point opens, closes or yields, or the closed part of a line or area reaches a level."""
 
     row: int  # number of the stop, from 0
     t: float
@@ -117,7 +117,7 @@ class PathEvent:
     # closed part of the support at the event; for "part closed" 0.75, 0.5 or 0.25
     closed: float
     opening: bool  # whether the closed part of the support decreases at the event
-    # index of the margin among `margins`: of the point of a support, or of the level in `LEVELS`
+    # index in `margins` of the margin that changes sign (in `LEVELS` for lines and areas); 0 for points on exact paths
     number: int = 0
 
 
@@ -129,7 +129,7 @@ def closing_margins(support: Support, margins: int) -> int:
 
 
 def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:
-    """Name of the event at which margin ``number`` changes its sign, and the closed part at the event, if known."""
+    """Name of the event at which margin ``number`` changes its sign, and its level in `LEVELS`, None if it has none."""
     if number >= closing_margins(support, margins):
         return "yields" if opening else "stops yielding", None
     if support.place == "at":
@@ -145,7 +145,7 @@ def event_of(support: Support, number: int, opening: bool, margins: int) -> tupl
 def first_place(
     discretisation: Discretisation, index: int, answer: Answer, change: Change
 ) -> tuple[float, float] | None:
-    """Position of the first point of a line or area that opens, closes or yields: the point with the extreme margin."""
+    """Position of the first point of a line or area that opens, closes or yields, by the margins of points."""
     points, scales = SupportPoints.of(discretisation, index), Scales.of(answer)
     if "yield" in change:
         own = _to_limit(discretisation, points, answer, scales)

@@ -22,7 +22,7 @@ from signorini.results.readings import Readings, SupportForces
 from signorini.singularities.beside import PEAKS
 
 _MOST_POINTS = 100
-"""Largest number of points whose reactions are listed at each stop."""
+"""Largest number of support points whose numbers a stop lists; if a model has more, stops list only supports."""
 
 
 @dataclass(frozen=True)
@@ -119,14 +119,14 @@ class PathStop(Brief):
 
 @dataclass(frozen=True, eq=False)
 class Switched:
-    """Numbers (k,) of contact points that change the piece of their law; their pieces (k,) before and after."""
+    """Indices (k,) of the contact points that change the piece of their law at a stop; pieces (k,) before and after."""
 
     points: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
     after: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def as_switches(self, discretisation: Discretisation) -> tuple[Switch, ...]:
-        """Describe the points that open, close, yield or stop yielding; other changes of the piece are skipped."""
+        """Describe the points that open, close, yield or stop yielding, not those that change between other pieces."""
         contacts = discretisation.contacts.pick(self.points)
         yielded, yields = contacts.yield_on(self.before), contacts.yield_on(self.after)
         opened, opens = contacts.open_on(self.before), contacts.open_on(self.after)
@@ -139,7 +139,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """Catalogue of the numbers of stops; numbers of points are included if there are at most `_MOST_POINTS` points."""
+    """Catalogue of the numbers that stops store; those of points only if there are at most `_MOST_POINTS` points."""
     whole = catalogue_of(discretisation, path_fields(discretisation.model), "paths")
     measured = {whole.numbers[place].home for check in checks_in(whole) for place in check.measured}
     many = len(whole.at("point", "reaction")) > _MOST_POINTS and "point" not in measured
@@ -147,7 +147,7 @@ def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
 
 
 def path_fields(model: Model) -> tuple[str, ...]:
-    """Fields whose extremes are numbers of stops: the deflection, and checked fields."""
+    """Names of the fields whose extremes each stop stores: the deflection, and checked fields."""
     return tuple(name for name in FIELDS if name in ("deflection", *checked_fields(model)))
 
 

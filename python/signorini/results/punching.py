@@ -29,7 +29,7 @@ def points_inside(
 
     Also returned are rows (q, n) that interpolate deflections; weights (r, q) that integrate inside each perimeter;
     rows (q, p) that map the forces of the area's points to the mean pressure over an element; and the mask (q,) of
-    points that take this mean instead of the pressure of the deflection.
+    points that take this mean, since the area is too stiff to compute the pressure from the deflection.
     """
     mesh, area = discretisation.mesh, area_at_rest(discretisation, support)
     where, levels = area.support.where.region, steps_of(area.support)
@@ -75,7 +75,7 @@ class ColumnResult:
 
 
 def in_units(column: PunchedColumn, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-    """Numbers (k,) of a column by name, from its forces (k,), moments (k,) and the forces (k, p) inside its regions.
+    """Numbers (k,) of a column by name, from its forces (k,), moments (k,) and the forces (k, r) inside r perimeters.
 
     Arguments and results are in units of the model. A moment is complex, x + iy: the force times its distance along x,
     and the force times its distance along y.

@@ -39,7 +39,7 @@ class Kind:
     force: int = 0  # exponents of force and of length in the unit
     length: int = 0
     singular: str = ""  # name in `Singularity.numbers`; empty for kinds that are never singular
-    colours: str = "RdBu"  # name of a colour map whose middle is zero
+    colours: str = "RdBu"  # name of the colour map in pictures; its middle colour means zero
 
     def unit(self, units: Units) -> str:
         """Unit of numbers of this kind in a model's units; empty if the model does not name its units."""
@@ -80,7 +80,7 @@ class Quantity:
     kind: str  # name of the kind in `KINDS`
     words: str = ""  # name in words with the symbol; a description may follow after a comma
     key: Path = ()  # keys and indices in results.json below the owner; if empty, ``name`` is the key
-    # name of the vector of which the quantity is a component; the ± of a component considers changes of all of them
+    # name of the vector of which the quantity is a component; the ± of one component considers those of all components
     vector: str = ""
     tabled: bool = True  # whether tables have a column for the quantity
     enveloped: bool = True  # whether envelopes contain extremes of the quantity
@@ -286,7 +286,7 @@ OF_SUPPORTS = (
 OF_AREAS = (
     Quantity("max_pressure", "pressure", "max pressure, positive up"),
     Quantity("contact_area", "area", "contact area"),
-    Quantity("max_tension", "pressure", "max tension, pressure that pulls down", tabled=False, along_paths=False),
+    Quantity("max_tension", "pressure", "max tension, pulling the plate down", tabled=False, along_paths=False),
 )
 OF_RESULTANTS = (
     *(
@@ -303,16 +303,16 @@ OF_RESULTANTS = (
     ),
     Quantity("kern", "part", "kern, eccentricity relative to the edge of the kern in the same direction"),
 )
-"""Quantities of the resultants of areas."""
+"""Quantities of the resultant reaction of an area support."""
 OF_LINES = tuple(
-    Quantity(f"{side}_per_length", "per_length", f"{side} per length, reaction positive up", along_paths=False)
+    Quantity(f"{side}_per_length", "per_length", f"{side} per length, of the reaction, positive up", along_paths=False)
     for side in ("max", "min")
 )
 """Quantities of supports along edges, lines and circles."""
 AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
 """Concentrated force at a corner or end of a support's line."""
 OF_LIMITED_AREAS = (
-    Quantity("yielded_area", "area", "yielded area, where the limit is reached", tabled=False, along_paths=False),
+    Quantity("yielded_area", "area", "yielded area, pressure at its limit", tabled=False, along_paths=False),
 )
 OF_POINTS = (
     Quantity("reaction", "reaction", "reaction, positive up"),
@@ -329,7 +329,7 @@ OF_TURNING_POINTS = tuple(
     for at, axis in enumerate("xy")
 )
 OF_POINTS_WITH_LAWS = (
-    Quantity("piece", "count", "piece of the law, number from 0 at the least travel", (), "", False, False, False),
+    Quantity("piece", "count", "piece of the law, counted from 0 at the least travel", (), "", False, False, False),
 )
 OF_BOLTS = (
     Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
@@ -365,16 +365,14 @@ MEANS = (
 )
 """Means of moment, twist and shear across a strip at its stations; design moments and areas of bars along it."""
 OF_STRIPS = tuple(
-    Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations of the strip", tabled=False)
+    Quantity(f"{side}_moment", "moment", f"{side} moment, of the means at the strip's stations", tabled=False)
     for side in ("max", "min")
 )
 OF_COLUMNS = (
     Quantity("u0", "length", "u0, length of the column's face", tabled=False, along_paths=False),
     Quantity("u1", "length", "u1, length of the control perimeter (ACI: bo)", enveloped=False, along_paths=False),
     Quantity("force", "force", "force of the column, positive towards the plate", along_paths=False),
-    Quantity(
-        "inside", "force", "inside, force inside the perimeter, subtracted from the column's force", along_paths=False
-    ),
+    Quantity("inside", "force", "inside, force within u1, subtracted from the column's force", along_paths=False),
     *(
         Quantity(
             f"moment_{axis}",
@@ -387,11 +385,11 @@ OF_COLUMNS = (
     ),
     Quantity("beta", "part", "β, largest shear stress / mean shear stress", enveloped=False, along_paths=False),
     Quantity("v_ed", "stress", "vEd, shear stress at u1"),
-    Quantity("v_ed_face", "stress", "vEd at u0", along_paths=False),
+    Quantity("v_ed_face", "stress", "vEd at u0, shear stress at the column's face", along_paths=False),
     Quantity("v_rd_c", "stress", "vRd,c, resistance without shear reinforcement", enveloped=False, along_paths=False),
     Quantity("v_rd_max", "stress", "vRd,max, largest resistance", tabled=False, along_paths=False),
     Quantity("utilisation", "part", "utilisation, without shear reinforcement"),
-    Quantity("with_links", "part", "utilisation, with the largest shear reinforcement", along_paths=False),
+    Quantity("with_links", "part", "utilisation, with the most shear links allowed", along_paths=False),
     Quantity("asw", "length", "asw, required area of links per radial length", along_paths=False),
     Quantity("uout", "length", "uout, length of the perimeter outside of which no links are needed", along_paths=False),
 )
@@ -491,7 +489,7 @@ def along_strips(what: str, through: Floats, thickness: Floats, axis: Ints, bars
 
 
 class FieldGroup(NamedTuple):
-    """Fields ``names`` whose envelopes are computed together; ``wanted`` are their indices in the formulas' values."""
+    """Fields ``names`` whose envelopes are computed together; ``wanted`` are their indices in the formulas' results."""
 
     names: tuple[str, ...]
     inputs: tuple[str, ...]
@@ -564,7 +562,7 @@ class Number:
 
     @property
     def envelope_path(self) -> Path:
-        """Path of the number's extremes in an envelope's JSON; for probes and points the last key is the quantity."""
+        """Path of the number's extremes in an envelope's JSON; for probes and points it ends in the quantity's name."""
         if self.home in EXTREMES:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
@@ -670,7 +668,7 @@ class Catalogue:
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             for one in of_support(support):
-                # Numbers of closed nodes have no half-width (±): they do not converge as the mesh is refined.
+                # On lines and areas counts of closed points have no half-width (±): they grow as the mesh is refined.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))

@@ -80,7 +80,7 @@ class Linear(NamedTuple):
     """Readings of k solutions; the first axis of each array numbers the solutions."""
 
     probes: Floats
-    """(k, q', 8): fields at every probe, on each side of a jump; the last axis is in the order of `LINEAR`."""
+    """(k, q', 8): fields at probes, once for each side of a jump at a probe; last axis in the order of `LINEAR`."""
     of_bars: Floats
     """(k, q', 3): moments for the design of bars at probes; q' = 0 if no `Reinforcement.face` changes them."""
     through: Floats
@@ -94,9 +94,9 @@ class Linear(NamedTuple):
     on_areas: Floats
     """(k, a): deflections of the nodes that belong to elements on elastic areas."""
     beneath: Floats
-    """(k, b, a): deflection of the other plate at the same nodes, for each of b supports between two plates."""
+    """(k, b, a): deflections of the plate below at the same a nodes, for each of b supports between two plates."""
     on_columns: Floats
-    """(k, r + 3c): load in each of r regions of columns; force and two couples of each of c columns."""
+    """(k, r + 3c): load in each of r regions within control perimeters; force and two couples of each of c columns."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
@@ -291,7 +291,7 @@ class Readings:
 
     @cached_property
     def supports(self) -> tuple[SupportReading, ...]:
-        """One `SupportReading` for each support."""
+        """Readings of each support, in the order of the model."""
         return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
 
     @property
@@ -356,7 +356,7 @@ class Readings:
         return np.array(result).reshape(len(self.shared), len(found.probe_positions))
 
     def deflections(self, some: slice) -> Floats:
-        """Deflections (k', n) of the solutions in a slice; superposed ones are 0 except around elastic areas."""
+        """Deflections (k', n) of a slice of solutions; if superposed, they are known around elastic areas, else 0."""
         if self.answers:
             return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
         around = self.linear.on_areas[some]
@@ -451,7 +451,7 @@ class SupportReading:
 
     @property
     def lift(self) -> Floats:
-        """Upward resultant (k,) of the loads on the plate; NaN where the resultant points down."""
+        """Upward resultant (k,) of the loads on the plate; NaN where the resultant is zero or points down."""
         forces = np.array([load.weighing[::3] for load in self.of.loads])
         lift = -forces.sum(axis=1)
         return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)

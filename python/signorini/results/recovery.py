@@ -122,7 +122,7 @@ def _of_plates(
         plates[one.name] = recovered(one.own, load_of, methods, own, *part, beneath, one.upon)
 
     def in_order(key: str, of: Callable[[Result], Sequence[Any]]) -> Listed[Any]:
-        """Results of all plates in the order of the model's table ``key``; between plates, those of the upper plate."""
+        """Results of all plates in the order of table ``key``; a support between plates has that of the upper plate."""
         result: dict[int, Any] = {}
         for one in each:
             for which, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
@@ -180,7 +180,7 @@ def _columns_by_table(result: Result) -> list[tuple[ColumnResult, ...]]:
 
 
 def unsolved_result(discretisation: Discretisation, combination: Combination, message: str) -> Result:
-    """Build the result of a combination without equilibrium: every number is NaN, and ``message`` is the reason."""
+    """Build the result of a combination without equilibrium, for the reason ``message``; its arrays are NaN."""
     nan = float("nan")
     count, of_stress = discretisation.mesh.node_count, discretisation.stress_nodes.count
     nothing = np.full(count, nan)

@@ -40,9 +40,9 @@ from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOVED = 1.0 + 1e-9
-"""Smallest ratio of a lifted point's travel to its travel at w = 0; a smaller difference is rounding."""
+"""Smallest ratio of a point's free travel to that at w = 0 at which it counts as lifted off; less is rounding."""
 _MOST_BEARINGS = 100
-"""Largest number of points of a support that are bearings of their own; a support with more points is one bearing."""
+"""Largest number of points of a support whose reactions are listed point by point; of more points, only their sum."""
 
 Column = Sequence[str] | Floats | Ints
 NamedColumns = Iterable[tuple[str, Column]]

@@ -116,7 +116,7 @@ class Sensitivity(Mapping[str, float]):
 
     @cached_property
     def valid(self) -> Mapping[str, tuple[float, float]]:
-        """Range of each parameter without a change of pieces, `Derivative.valid`, by path."""
+        """Range of each parameter in which all contact points stay on their pieces: `Derivative.valid` by path."""
         return OnDemand(self.paths, lambda path: self.derivative(path).valid, None, "parameter", "This sensitivity")
 
     @property

@@ -42,7 +42,7 @@ Status = Literal["solved", "no_equilibrium"]
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ResultState(Remade):
-    """Results of one combination; numbers are NaN if there is no equilibrium.
+    """Results of one combination; without equilibrium only overturning checks have values, other numbers are NaN.
 
     Parameters
     ----------

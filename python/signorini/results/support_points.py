@@ -188,7 +188,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)
     several = np.bincount(element, minlength=len(elements)) - 1
-    # An element's first point holds the mean; the areas of its points on the outline are subtracted from its area.
+    # An element's first point has the element's area, less a part `STRIP` for each other point of the element.
     mean = np.full(len(elements), len(shared))
     np.minimum.at(mean, element, point)
     area = weights[mean] / (1.0 - STRIP * several)
@@ -201,8 +201,8 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 _ALL = 1.0 - 1e-9
 """Smallest ratio of a force to its limit with which the force counts as at the limit, to allow for rounding."""
 _INWARD = 3e-10
-"""Distance by which an element's point is moved inward, relative to the plate's size. At a corner, the point would
-belong to several elements.
+"""Distance by which an element's point is moved inward, relative to the plate's size. At the element's corner the
+point would belong to several elements.
 """
 
 
@@ -233,7 +233,7 @@ def closed_part(discretisation: Discretisation, points: SupportPoints, answer: A
 
 
 def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """Scaled margin (p,) of each point, ≥ 0 if closed: travel if elastic, reaction if rigid; minus the gap if open."""
+    """Scaled margin (p,) of each point, ≥ 0 if closed: compression if elastic, reaction if rigid; −gap if open."""
     contacts = discretisation.contacts
     soft = contacts.compliance > 0
     pressing = np.where(soft, contacts.compliance * answer.reaction / scales.length, answer.reaction / scales.force)

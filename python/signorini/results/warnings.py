@@ -38,15 +38,15 @@ from signorini.singularities.singularity import at_peaks
 _FOLLOWED = 0.5
 """Smallest part of a line's length on element sides with which the mesh counts as following the line."""
 _SMALLER = 0.5
-"""Element size that warnings suggest, relative to the present elements that a line cuts or that form a strip."""
+"""Element size that warnings suggest, relative to the size of elements that a line cuts or that form a strip."""
 _STRIP = 4
-"""Smallest number of elements of an elastic area that counts as a strip; fewer elements are a pad."""
+"""Smallest number of elements with which an area that is one element wide counts as a strip, not as a pad."""
 _INSIDE = 1e-6
-"""Two areas overlap if a point of one is deeper inside the other than this depth, relative to the plate's size."""
+"""Depth of a point of one area inside another above which the areas overlap, relative to the plate's size."""
 _TOUCH = 1e-6
 """Largest common area of two regions that only touch, relative to the area of the smaller region."""
 _NOTHING = 1e-9
-"""Component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
+"""Largest component of a couple across an edge that counts as zero, relative to the couple's magnitude."""
 _HARDLY = 1e-6
 """Largest tension of an area that counts as zero, relative to the area's largest pressure."""
 _OUTWEIGHS = 1e3
@@ -350,7 +350,7 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
             size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
             where = f"along it, such as at {point(points.positions[first], mesh.size)}"
             shared = isinstance(item, Support) and item.is_rigid
-            near = ", and near other supports the error of its reaction may exceed ±" if shared else ""
+            near = ", and near other supports the error of its reaction may exceed its ±" if shared else ""
             yield (
                 f"The mesh does not follow the {item.place} of {name}: in the elements that the line cuts, moments "
                 f"and shears are means of both sides{near}. {to_follow(model, where, size)}"
@@ -399,7 +399,7 @@ def _one_element(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _one_across(discretisation: Discretisation) -> Iterator[str]:
-    """Warn of elastic strips and rings, such as gaskets, that are one element wide: all corners are on the rim."""
+    """Warn of elastic strips and rings, such as gaskets, that are one element wide: all corner nodes are on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
         if support.area is None or not support.is_elastic:
@@ -487,7 +487,7 @@ def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
-    """Yield each pair of owners whose regions overlap, with a point inside the bounding boxes of both regions."""
+    """Yield each pair of supports or loads with overlapping regions, and a point in the bounding boxes of both."""
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
     begin = [shape.bounds[0] for _, shape in shapes]

@@ -23,14 +23,14 @@ from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
-"""Smallest part of an element's area on the support at which the whole element counts as on the support."""
+"""Smallest ratio of an element's area on the support to its whole area at which all of the element counts as on it."""
 _TOUCHING = 1e-9
 """Largest overlap of plate and support that counts as zero, relative to the largest overlap or gap at the nodes."""
 _ON_OUTLINE = 1e-9
 """Largest distance from the support's outline at which a point counts as on the outline, relative to the plate's size.
 """
 _STRAIGHT = 1e-3
-"""Tolerance for simplifying the edge of contact: distance of the polyline from it, relative to the element size."""
+"""Largest distance of a removed point of the edge of contact from its neighbours' chord, relative to element size."""
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
@@ -75,7 +75,7 @@ class AreaContact(Remade):
 
     @cached_property
     def covered(self) -> Floats:
-        """Part (ne,) of each element's area that is on the support."""
+        """Area (ne,) of the part of each element that is on the support."""
         return np.bincount(self.elements, self.weights, len(self.mesh.elements)).astype(np.float64)
 
     @cached_property
@@ -161,7 +161,7 @@ class AreaContact(Remade):
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
-        """Pressure (v,) of an elastic area at vertices of a cut mesh, as if it acted in both directions; 0 if unknown.
+        """Pressure (v,) of an elastic area at the vertices of triangles, as if it pushed and pulled; 0 in place of NaN.
 
         The pressure that the area really exerts is this pressure limited to `bounds`. Without this limitation the
         pressure is smooth, and its zero line is the edge of contact.
@@ -171,7 +171,7 @@ class AreaContact(Remade):
 
     @property
     def nodal_pressing(self) -> Floats:
-        """Pressure (n,) of an elastic area at the nodes, as if it acted in both directions; 0 if unknown."""
+        """Pressure (n,) of an elastic area at the nodes, as if it pushed and pulled; 0 in place of NaN."""
         return np.nan_to_num(self._law.pressure(self.deflection, self.mesh.points))
 
     @cached_property
@@ -183,7 +183,7 @@ class AreaContact(Remade):
         """Contact areas (k,) in k solutions, from deflections (k, n) and the mask (k, q) of closed points.
 
         An element with every point closed counts with its whole area on the support. In elements that the edge of
-        contact may cross, the area is computed on a grid that is finer than the points. In an element wholly in
+        contact may cross, the area is computed on a grid finer than the support's points. In an element wholly in
         contact, the area is exactly that of the support in the element.
         """
         return self._areas(closed, *self._crossed(deflection, closed, self._law)[:3])
@@ -224,7 +224,7 @@ class AreaContact(Remade):
         return tuple(thinned(line, tolerance) for line in chained(segments))
 
     def depth(self, positions: Floats) -> Floats:
-        """Depth (q,) of positions (q, 2) inside the support: ≥ 0 inside and on the outline; < 0 at zero stiffness."""
+        """Depth (q,) of positions (q, 2) inside the support; < 0 outside its outline and where its stiffness is 0."""
         region, size = self.support.where.region, self.mesh.size
         deep = np.full(len(positions), size) if region is None else depth(region, positions) + _ON_OUTLINE * size
         return np.where(on_soil(self.support, positions), deep, -size)
@@ -265,7 +265,7 @@ class AreaContact(Remade):
         return *cells.parts(deflection, pressed & parted, rounding), rounding
 
     def _sides_between(self) -> Segments:
-        """Sides between closed and open elements of a rigid area."""
+        """Find the sides between closed and open elements of a rigid area; the closed elements are on their left."""
         elements, sides = self.mesh.elements, self.mesh.sides
         closed, opened = np.unique(self.elements[self.closed]), np.unique(self.elements[~self.closed])
         triples = sides[closed][np.isin(sides[closed][..., 1], elements[opened, 4:]) & real_sides(elements[closed])]
@@ -336,7 +336,7 @@ class Pressures:
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
     def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
-        """Pressure (..., k) at `nodes`, from their deflections (..., k) and forces (..., p) of points, area by area."""
+        """Pressure (..., k) at `nodes`, from each area's deflections (..., k) there and forces (..., p) of points."""
         total = np.zeros(deflections[0].shape)
         for area, on in zip(self._elastic, self._acting, strict=True):
             own = self.areas.index(area)

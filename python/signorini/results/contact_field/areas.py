@@ -35,7 +35,7 @@ def _ground(discretisation: Discretisation, index: int) -> Mesh:
 
 @kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area support at w = 0, computed once. Its geometry and law are used for any deflections."""
+    """Contact of an area support at w = 0, computed once; its methods take other deflections as arguments."""
     positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
     nothing = np.zeros(len(positions))
     return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
@@ -44,7 +44,7 @@ def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Mask (ne,) of the elements in which an area is stiffer than the plate.
 
-    If the support's law is straight, these are the elements in which the area is practically rigid.
+    If the support's law is linear in both directions, these are the elements in which the area is practically rigid.
     """
     stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
     if support.modulus is not None:

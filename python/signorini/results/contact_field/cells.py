@@ -88,12 +88,12 @@ class _Grid(NamedTuple):
     """(e, d, d): mask of the cells that are wholly within the support."""
     outside: Bools
     inside: Floats
-    """(e,): part of each element's area that is within the support."""
+    """(e,): area of the part of each element that is within the support."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Finds the parts of elements of an elastic area that are in contact."""
+    """Computes which part of each element on an elastic area is in contact, by dividing elements into cells."""
 
     mesh: Mesh
     law: SupportLaw
@@ -136,7 +136,7 @@ class Cells:
             own, elements = np.nonzero(more)
 
     def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
-        """Parts (p,) in contact of the grid's elements ``place``; mask (p, 4) of sides that the edge cuts."""
+        """Parts (p,) in contact of elements ``place`` of a grid; mask (p, 4) of sides that the edge of contact cuts."""
         values = nodal @ grid.shapes[0].T
         if grid.triangles.any():
             of_triangle = grid.triangles[place]

@@ -43,7 +43,7 @@ def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) ->
 
 
 def clipped(segments: Segments, depth: Floats) -> Segments:
-    """Keep the parts of segments where ``depth`` is ≥ 0; it is given at the points (k,) and linear between them."""
+    """Keep the parts of segments with ``depth`` ≥ 0; ``depth`` (k,) is given at the points and linear between them."""
     pairs, within = segments.pairs, depth >= 0
     whole = within[pairs].all(axis=1)
     cut = within[pairs[:, 0]] != within[pairs[:, 1]]
