@@ -112,7 +112,7 @@ mod tests {
                 matrix[j][k].add_product(1e-6 * soft[j], soft[k]);
             }
         }
-        // The right-hand side 1e-6 (0, 1, 2)ᵀ asks for (0, 1, 2)·x = 1 and (1, 1, 1)·x = 0.
+        // For the right-hand side 1e-6 (0, 1, 2)ᵀ the solution has (0, 1, 2)·x = 1 and (1, 1, 1)·x = 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
         let Eliminated { unknown, least, unbalanced } = eliminated(matrix, right);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };

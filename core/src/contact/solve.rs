@@ -16,7 +16,7 @@ use super::solution::{ContactSolution, Watch};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
     /// The form of the LCP of condensed points; `None` selects the better conditioned form. The Newton method has no
-    /// LCP and ignores it.
+    /// LCP and ignores this field.
     pub form: Option<Form>,
 }
 

@@ -152,7 +152,8 @@ pub(super) mod path {
     /// largest deflection.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Smallest t that can be the length of a step. Because of rounding an event at t = 0 may have a t of this size.
+    /// On a path without initial load a step of t has the length t, or 1 if t is at most this value: because of rounding
+    /// an event at t = 0 may have a t of this size.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
     /// A path without initial load changes its unit of t if the plate moves by its least gap at a smaller t than this.
@@ -175,19 +176,20 @@ pub(super) mod path {
     /// Pivoting locates events of nearly parallel points to about 1e-7 of this step.
     pub(crate) const SEEN: f64 = 1e-6;
 
-    /// Least length of a line of the path in t, relative to a step that doubles the load.
+    /// Least difference in t of the two solutions of a line, relative to a step that doubles the load: the change between
+    /// nearer solutions would be rounding.
     pub(crate) const SHORT: f64 = 1e-3;
 
-    /// A reaction or gap that changes by less than this over a line of the path, relative to its reference size, counts
+    /// A reaction or gap that changes by less than this along a segment of a path, relative to its reference size, counts
     /// as constant.
     pub(crate) const STILL: f64 = 1e-10;
 
-    /// A line of the path without events is long enough to detect a gap that closes if its displacement is at least
-    /// this fraction of the largest gap.
+    /// A segment without events is long enough to detect a gap that closes if the plate moves along it by at least this
+    /// fraction of the largest gap.
     pub(crate) const COUNTS: f64 = 0.1;
 
-    /// Largest factor by which a line of the path without events is made longer. A motion that needs a larger factor is
-    /// nearly rounding.
+    /// Largest factor by which a segment without events is extended in t. A motion of the plate that needs a larger
+    /// factor is nearly rounding.
     pub(crate) const LONGER: f64 = 1e12;
 
     /// Reactions and gaps below this, relative to their reference size, count as zero at the common end of two pieces

@@ -178,7 +178,7 @@ impl ContactProblem {
         let force = tolerances::SIGN * largest_force(self, &[], reaction);
         let (shift, arm) = (&self.points.shift, &self.points.arm);
         let moved = (0..gap.len()).map(|i| arm[i] * (shift[i] - gap[i]).abs()).fold(0.0, f64::max);
-        // A large gap of one point changes the tolerance at this point only.
+        // A large gap of one point changes the tolerance for the travel of this point only.
         let length = |i: usize| {
             let moved = moved / arm[i];
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])

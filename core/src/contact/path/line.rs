@@ -1,4 +1,4 @@
-//! A segment of the path: solutions on a fixed contact state, which are linear in the load factor t.
+//! A line: the solutions on a fixed contact state, linear in the load factor t. A segment of the path is part of it.
 
 use crate::contact::points::Points;
 use crate::contact::solution::ContactSolution;
@@ -10,7 +10,7 @@ pub(super) struct Line<'a> {
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
     pub scales: Scales,
-    /// Reference deflection of the line: the largest deflection in both solutions.
+    /// Reference deflection: the largest deflection in the two solutions `ends`.
     pub deflection: f64,
 }
 

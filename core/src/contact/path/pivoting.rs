@@ -34,8 +34,8 @@ impl PathTracer<'_> {
                 far if far.is_finite() => far,
                 _ => segment.from + self.span(segment.from),
             };
-            // On a short line all changes of the solution would be rounding. So a line has at least `SHORT` times the
-            // length of a step (`span`) in t.
+            // The change between solutions at nearly equal t would be rounding. So the two solutions of a line are at
+            // least `SHORT` times a step of t (`span`) apart.
             let (span, reach) = (self.span(t), |from: f64| far.max(from + tolerances::path::SHORT * self.span(from)));
             let line = match self.standing_on(recorder.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,

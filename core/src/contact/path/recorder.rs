@@ -5,7 +5,7 @@ use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
-/// The solution at the end of the last line of the path, and the reference sizes of this line.
+/// The solution at the end of the last line (segment) of the path, and the reference sizes of this line.
 struct Arrival {
     solution: ContactSolution,
     scales: Scales,
@@ -31,7 +31,7 @@ impl<'a> PathRecorder<'a> {
         &self.arrived.solution
     }
 
-    /// Stores the solution at t, where the line `line` ends.
+    /// Stores the solution at t, where the segment on `line` ends.
     pub fn arrive(&mut self, line: &Line<'_>, t: f64) {
         self.arrived = Arrival { solution: line.at(t), scales: line.scales.clone() };
     }

@@ -12,7 +12,7 @@ use crate::contact::tolerances;
 /// pieces of the laws change to the adjacent pieces.
 const ROUNDS: usize = 20;
 
-/// Largest number of times that a line without events is made longer.
+/// Largest number of times that a line of solutions without events is extended to larger t.
 const LENGTHENED: usize = 2;
 
 impl<'a> PathTracer<'a> {
@@ -20,7 +20,7 @@ impl<'a> PathTracer<'a> {
     pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, SolveError> {
         let load = self.load;
         let mut pieces = recorder.here().piece.clone();
-        // Contact states of all lines since t last increased.
+        // Contact states of all segments since t last increased.
         let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
@@ -44,8 +44,8 @@ impl<'a> PathTracer<'a> {
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // The line is made longer up to the event, since interpolation on it is more exact than extrapolation
-                // beyond its end.
+                // The second solution of the line is computed at the event, since interpolation between two solutions
+                // is more exact than extrapolation beyond the second.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
                     (to, breakpoints) = self.next_event(&line, t);
@@ -70,8 +70,8 @@ impl<'a> PathTracer<'a> {
         Ok(PathEnd::TooMany)
     }
 
-    /// Makes a line without events longer until the added load moves the plate by a considerable part of the largest
-    /// gap. Returns the longer line on which an event appears, or `None` if no event appears.
+    /// Extends a line of solutions without events to larger t until the added load moves the plate by a considerable
+    /// part of the largest gap. Returns the extended line on which an event appears, or `None` if no event appears.
     ///
     /// If the load is small, or supports are far away, the first step may be too short to detect a gap that closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
