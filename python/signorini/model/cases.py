@@ -1,4 +1,4 @@
-"""Load cases as actions of a design code: the tables [cases.NAME] of the input, and the actions of these cases."""
+"""Tables [cases.NAME] of the input, which describe load cases as actions of a design code; conversion to `Action`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RuleName = Literal[
 RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
 """Names of the rules of each design code."""
 _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
-"""Key of [cases.NAME] that gives the role of the load case in each design code."""
+"""Key of [cases.NAME] that gives the kind of action (EN 1990) or the load symbol (ASCE/SEI 7) of the load case."""
 
 _Psi = Annotated[float, Field(ge=0, le=1), BeforeValidator(number)]
 _AT_LEAST_0 = {"type": "number", "minimum": 0}
@@ -47,11 +47,11 @@ class Gamma(Table):
 
     @property
     def values(self) -> dict[str, tuple[float, ...]]:
-        """Partial factors that the input gives, by kind of action."""
+        """Partial factors in the input: map from the kind of action, such as "permanent", to one or two factors."""
         return {key: getattr(self, key) for key in self.present(type(self).model_fields)}
 
 
-_WITH = Field(default=None, description="Another load case; both cases have equal factors in every combination.")
+_WITH = Field(default=None, description="Name of another load case, whose factor this case has in every combination.")
 _FIELDS: dict[str, Any] = {"with": (Text | None, _WITH)}
 # The key `with` is a keyword of Python, so that no class body can declare it.
 _Following = create_model("_Following", __base__=Table, **_FIELDS)
@@ -80,13 +80,13 @@ class Case(_Following):
     )
     action: Text | None = Field(
         default=None,
-        description="Name of the action of which this case is a part, such as the live load on one span; all parts "
-        "of an action lead or accompany together, and each part may be absent.",
+        description="Name of the action of which this case is a part, such as the live load on one span; its parts "
+        "together are the leading action or an accompanying one, and each part may be absent.",
     )
 
     @property
     def follows(self) -> str | None:
-        """Name of the case whose factor this case has."""
+        """Name of the load case whose factor this case has in every combination; None if it has a factor of its own."""
         name: str | None = getattr(self, "with")
         return name
 
@@ -117,7 +117,7 @@ Positions = Mapping[str, Sequence[str]]
 
 
 def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> Iterator[Complaint]:
-    """Yield the problems of [cases]: unknown load cases, wrong keys of moving loads, contradictions between cases."""
+    """Yield the problems of [cases]: unknown load cases, ``with`` at a moving load, contradictions between cases."""
     first: dict[tuple[str, str], Case] = {}
     for name, case in cases.items():
         if name not in known:
@@ -140,7 +140,7 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
 
 
 def growing_in(cases: Cases) -> tuple[str, ...]:
-    """Load cases of [cases] that are neither permanent nor preloads; they grow in a check of overturning."""
+    """Load cases of [cases] that are neither permanent nor preloads; checks of overturning increase their factors."""
     own = {name: cases.get(case.follows or name, case) for name, case in cases.items()}
     still = ("permanent", "preload", "D", "P")
     return tuple(name for name, case in own.items() if (case.kind or case.asce) not in still)
@@ -155,7 +155,7 @@ def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
 
 
 def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, ...]:
-    """Return the load cases as actions of a code; each position of a moving load is an alternative of its action."""
+    """Return the load cases as actions of a design code; each position of a moving load is an alternative."""
     exclusive: dict[tuple[str, str], dict[tuple[str, str], list[str]]] = {}
     for name, case in cases.items():
         if case.follows is None:
@@ -166,7 +166,7 @@ def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, 
             exclusive.setdefault(together, {}).setdefault(part, []).append(name)
 
     def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:
-        """Yield the sets of load cases in which an action acts: one or more parts, moving loads at one position."""
+        """Yield the alternatives of an action: one or more of its parts, each moving load at one position."""
         choices: list[list[dict[str, tuple[float, ...]]]] = []
         for name in names:
             followers = [other for other in cases if cases[other].follows == name]
