@@ -21,7 +21,7 @@ RuleName = Literal[
     "6.10", "6.10ab", "EQU", "accidental", "seismic", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
 ]
 RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
-"""Names of the rules of each design code."""
+"""Names of the combination rules of each design code, such as "6.10"."""
 _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
 """Key of [cases.NAME] that gives the kind of action (EN 1990) or the load symbol (ASCE/SEI 7) of the load case."""
 
@@ -147,7 +147,7 @@ def growing_in(cases: Cases) -> tuple[str, ...]:
 
 
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
-    """Error message that names the load cases without a role in a design code; empty if all have a role."""
+    """Error message that names the load cases without the key ``kind`` (EN 1990) or ``asce``; empty if none is."""
     key = _KEY_OF[code]
     named = {name for name, case in cases.items() if case.follows is not None or getattr(case, key) is not None}
     missing = ", ".join(f"[cases.{case}]" for case in known if case not in named)
@@ -162,7 +162,7 @@ def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, 
             part = ("action", case.action) if case.action else ("case", name)
             together = ("group", case.group) if case.group else part
             if code == "en1990" and case.kind in ("accidental", "seismic"):
-                together = ("kind", case.kind)  # One accidental or seismic action acts at a time (6.11b, 6.12b).
+                together = ("kind", case.kind)  # Only one such action acts at a time (EN 1990, 6.11b and 6.12b).
             exclusive.setdefault(together, {}).setdefault(part, []).append(name)
 
     def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:

@@ -343,7 +343,7 @@ class Combination(Named):
 
     @property
     def rules(self) -> dict[str, list[Rule]]:
-        """Expressions of combinations in the design code, for each name in the key ``rule``."""
+        """Combination rules of the design code, for each name in the key ``rule``."""
         if self.generate == "asce7":
             return {name: list(asce7.rules(name)) for name in self.rule or ()}
         gamma = self.gamma.values if self.gamma is not None else {}

@@ -169,7 +169,7 @@ Wheel = tuple[tuple[float, float], tuple[float, float], float]
 class Moving(OnPlate):
     """A load that moves along a line: axles with one or two wheels. A wheel is a force at a point or on a patch."""
 
-    case: Text = Field(min_length=1, description="Name in combinations; each position is a load case of its own.")
+    case: Text = Field(min_length=1, description="Name of the load in combinations; each position is a load case too.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
     step: Positive = Field(description="Distance between positions of the load; the last one is at the line's end.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(

@@ -133,7 +133,7 @@ class Material(Table):
 
 
 class Modifiers(Table):
-    """Factors for cracked, ribbed or hollow sections; they multiply stiffnesses along the section's axes, or x and y."""
+    """Factors that multiply stiffnesses of cracked, ribbed or hollow sections; axes: the section's, or else x and y."""
 
     bending: Positive = Field(default=1.0, description="Factor that multiplies the bending stiffness.")
     twist: Positive = Field(default=1.0, description="Factor that multiplies the twisting stiffness.")

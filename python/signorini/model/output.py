@@ -98,7 +98,7 @@ class Output(Table):
 
 
 _IN_COLUMN = 1e-9
-"""Least distance of a station inside a column from its outline, relative to the column's size: rounding tolerance."""
+"""Rounding tolerance, relative to a column's size: stations nearer to its outline are not inside the column."""
 _HALVINGS = 50
 """Number of bisections that locate the face of a column on the center line of a strip, up to rounding errors."""
 _STRIP_STATIONS = 21

@@ -20,9 +20,9 @@ from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile", "punching")
-"""Keys of [[tables]] of which each belongs to one plate, by its key ``plate`` (a support also by ``between``)."""
+"""Keys of tables that belong to the plate in their key ``plate``, and supports to both plates in ``between``."""
 _SAME_AREA = 1e-9
-"""Tolerance for areas of plates, relative to the area of one; smaller differences are rounding errors of corners."""
+"""Tolerance for equal areas, relative to the area of the plate; it covers rounding errors of corners."""
 _REVERSED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 

@@ -23,7 +23,7 @@ MAX_CORNERS = 2000
 The time for finding crossing sides grows with the square of this number.
 """
 _SAME_POINT = 1e-9
-"""Largest distance, relative to the outline's size, at which the end of the last arc equals the first corner."""
+"""Largest distance, relative to the outline's size, up to which the last arc ends at the first corner."""
 
 
 class Arc(base.Table):

@@ -58,7 +58,7 @@ class MeshOptions(base.Table):
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
     size: base.Positive | None = Field(default=None, description="Element size: length of its longest side.")
-    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements, each with its element size.")
+    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements, each with a size.")
     snap: base.NonNegative = Field(
         default=0.0,
         description="Snapping distance: supports, zones and loads that are closer than this to an edge, or to another "
@@ -88,7 +88,7 @@ _SHAPES = "Shape of the plate: one of rectangle, disc, annulus, polygon, mesh."
 MAX_ASPECT_RATIO = 1000.0
 """Largest ratio of length to width of a plate.
 
-The bending flexibilities of the two directions differ by its fourth power, 1e12, of the 16 digits of doubles.
+The bending flexibilities of the two directions differ by its fourth power, 1e12; doubles have 16 digits.
 """
 _MAX_OFFSET = 1e6
 """Largest distance of a plate from the origin, relative to its size, so that coordinates keep ten of 16 digits."""
@@ -107,7 +107,7 @@ class _Plate(base.Table):
         description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
     )
     shear_factor: base.Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
-    modifiers: Modifiers = Field(default=Modifiers(), description="Factors of stiffness in bending, twist and shear.")
+    modifiers: Modifiers = Field(default=Modifiers(), description="Factors on stiffness in bending, twist and shear.")
     stiffness: Stiffness | None = Field(
         default=None, description="Stiffness of the cross section; by default it follows from material and thickness."
     )
@@ -181,7 +181,7 @@ class _PatternedPlate(OutlinedPlate):
     """A plate that has a regular mesh if it has no holes: a rectangle, disc or annulus."""
 
     refines_regularly: ClassVar[bool] = False
-    """Whether the mesh of this class is still regular with smaller elements at the places `MeshOptions.refine`."""
+    """Whether a regular mesh of this class can have smaller elements at the places of `MeshOptions.refine`."""
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
         """Numbers of elements of a regular mesh (see `MeshOptions.divisions`); None for an unstructured mesh."""

@@ -54,12 +54,12 @@ LISTS = (
 )
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Map from keys with a tagged union as value to the classes of the union, by their tags in pydantic's paths.
+"""Map from each key whose value is a tagged union to the classes of the union, by their tags in pydantic's paths.
 
 The modules that define the unions, such as ``plate``, add their entries.
 """
 TOP: dict[str, tuple[type[BaseModel], ...]] = {}
-"""Keys of `Model`, each with the classes of its table; messages about a misplaced key name the right table by it."""
+"""Keys of `Model`, each with the classes of its table; needed for messages that name the table of a misplaced key."""
 
 
 _LIMITS = {
@@ -96,7 +96,7 @@ def explained(
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:
-    """Convert errors to pairs (path, message), without errors caused by another one, as by a misspelt key."""
+    """Convert errors to pairs (path, message), but none that follows from another, such as a misspelt key."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))

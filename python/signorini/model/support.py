@@ -165,8 +165,8 @@ class Support(Acting, base.Named):
     )
     law: Law | None = Field(
         default=None,
-        description="Force-travel law in place of stiffness and limit: [[travel, force], …], nondecreasing, from [0, 0]; its "
-        "last slope continues; with resists = both the law is antisymmetric, unless it begins at a negative travel.",
+        description="Force-travel law in place of stiffness and limit: [[travel, force], …], nondecreasing, from "
+        "[0, 0]; its last slope continues; with resists = both antisymmetric, unless it begins at a negative travel.",
     )
     rotational_stiffness: Rotational | None = Field(
         default=None,
@@ -214,7 +214,7 @@ class Support(Acting, base.Named):
             self.__dict__[key] = self.on_points(getattr(self, key))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the support with new values of the keys ``update``; lists of values per point get its points."""
+        """Copy the support with other keys; lists with one value per point then belong to the points of the copy."""
         copy = super().model_copy(update=update, deep=deep)
         copy.model_post_init(None)
         return copy
@@ -408,7 +408,7 @@ class Support(Acting, base.Named):
             yield (key,), f"{key} needs a preload; give a preload, or remove {key}."
 
     def bolt_complaints(self) -> Iterator[base.Complaint]:
-        """Yield a problem for each key because of which the support's points cannot be bolts that are tightened."""
+        """Yield the problems that prevent the support's points from being bolts that are tightened."""
         place = ("preload",)
         if self.fix is not None:
             yield place, "a preload is not allowed with fix; use resists = up or both."

@@ -88,7 +88,7 @@ class Located(base.Table):
     )
     edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="A circle as a curve: { center = [x, y], radius = r }.")
+    circle: Circle | None = Field(default=None, description="A circle, not a disc: { center = [x, y], radius = r }.")
     area: AnyArea | None = Field(
         default=None, description='"all" (the whole plate), or a table with one of rectangle, circle, polygon, annulus.'
     )

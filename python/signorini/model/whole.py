@@ -85,7 +85,7 @@ class Solver(Table):
 
 
 def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
-    """Give tables without a name the default name: kind and position, such as "support 1"."""
+    """Give tables without a name the default name: type and number, such as "support 1"."""
     return tuple(
         table if table.name else table.model_copy(update={"name": f"{type(table).__name__.lower()} {position}"})
         for position, table in enumerate(tables, start=1)
