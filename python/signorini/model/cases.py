@@ -147,7 +147,7 @@ def growing_in(cases: Cases) -> tuple[str, ...]:
 
 
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
-    """Error message that names the load cases without the key ``kind`` (EN 1990) or ``asce``; empty if none is."""
+    """Error message that names the load cases without the key ``kind`` (EN 1990) or ``asce``; empty if all have it."""
     key = _KEY_OF[code]
     named = {name for name, case in cases.items() if case.follows is not None or getattr(case, key) is not None}
     missing = ", ".join(f"[cases.{case}]" for case in known if case not in named)
