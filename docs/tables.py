@@ -13,9 +13,9 @@ from signorini.results.quantities import Number
 Node = dict[str, Any]
 _KEYS = """# Keys of the input file
 
-`python docs/tables.py` generates this page from the schema. [input.md](input.md) explains the keys in context.
+`python docs/tables.py` generates this page from the schema of the input file. [input.md](input.md) explains the keys.
 
-Bounds hold for every number of a list and for every value of an expression."""
+Bounds in the column "allowed" hold for every number of a list and for every value of an expression."""
 _QUANTITIES = """# Numbers of results
 
 `python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.

@@ -38,7 +38,7 @@ class Table(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    if not TYPE_CHECKING:  # Type checkers derive the parameters of the constructor from the fields.
+    if not TYPE_CHECKING:  # Type checkers derive the constructor's parameters from the fields if `__init__` is hidden.
 
         def __init__(self, /, *args: object, **keys: object) -> None:
             """Make a table from its keys; invalid values raise the same `InputError` as in an input file."""
@@ -54,18 +54,18 @@ class Table(BaseModel):
             except ValidationError as error:
                 raise explained(error, type(self), keys) from None
 
-        # pydantic validates nested tables without this constructor, so that one error lists the problems of all tables.
+        # This flag makes pydantic validate nested tables without `__init__`, so that one error lists all problems.
         __init__.__pydantic_base_init__ = True
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse to assign another value to a key: tables are immutable."""
+        """Raise an AttributeError if a value is assigned to a key: tables are immutable."""
         if name in type(self).model_fields:
             kind = type(self).__name__
             raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
         super().__setattr__(name, value)
 
     def _complaints(self) -> Iterator[Complaint]:
-        """Yield a pair for each contradiction between keys: place relative to this table, and message."""
+        """Yield (path within this table, message) for each contradiction between keys."""
         yield from ()
 
     @model_validator(mode="after")
@@ -84,7 +84,7 @@ class Table(BaseModel):
         return self
 
     def present(self, keys: Iterable[str]) -> list[str]:
-        """Return the keys among ``keys`` that have a value other than None."""
+        """Return those of the given keys of this table whose value is not None."""
         return [key for key in keys if getattr(self, key) is not None]
 
 
@@ -179,7 +179,7 @@ def listed(length: int, form: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
-            # TOML reads 1,5 in a list as two integers.
+            # In a TOML list a number with a decimal comma, such as 1,5, is read as two integers.
             commas = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
             hint = " The decimal sign is a point." if commas else ""
             raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
@@ -215,7 +215,7 @@ def _polyline(points: Any) -> object:
 
 
 def first_duplicate(values: Sequence[object]) -> object | None:
-    """Return the first value that occurs twice in a list; None if there are no duplicates."""
+    """Return the first value of a list that equals an earlier value; None if there are no duplicates."""
     return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 
@@ -318,4 +318,4 @@ class OnPlate(Table):
 class Named(Table):
     """Base class of tables with the key ``name``."""
 
-    name: Text = Field(default="", description='Unique name; by default kind and position, as in "support 1".')
+    name: Text = Field(default="", description='Unique name; default: type and number of the table, as in "support 1".')

@@ -1,4 +1,4 @@
-"""Load cases as actions of a design code: the tables [cases.NAME] of the input, and the actions of these cases."""
+"""Tables [cases.NAME] of the input, which describe load cases as actions of a design code; conversion to `Action`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ RuleName = Literal[
     "6.10", "6.10ab", "EQU", "accidental", "seismic", "characteristic", "frequent", "quasi-permanent", "LRFD", "ASD"
 ]
 RULES: Mapping[str, tuple[str, ...]] = {"en1990": tuple(en1990.GAMMA), "asce7": tuple(asce7.RULES)}
-"""Names of the rules of each design code."""
+"""Names of the combination rules of each design code, such as "6.10"."""
 _KEY_OF: Mapping[Code, str] = {"en1990": "kind", "asce7": "asce"}
-"""Key of [cases.NAME] that gives the role of the load case in each design code."""
+"""Key of [cases.NAME] that gives the kind of action (EN 1990) or the load symbol (ASCE/SEI 7) of the load case."""
 
 _Psi = Annotated[float, Field(ge=0, le=1), BeforeValidator(number)]
 _AT_LEAST_0 = {"type": "number", "minimum": 0}
@@ -47,11 +47,11 @@ class Gamma(Table):
 
     @property
     def values(self) -> dict[str, tuple[float, ...]]:
-        """Partial factors that the input gives, by kind of action."""
+        """Partial factors in the input: map from the kind of action, such as "permanent", to one or two factors."""
         return {key: getattr(self, key) for key in self.present(type(self).model_fields)}
 
 
-_WITH = Field(default=None, description="Another load case; both cases have equal factors in every combination.")
+_WITH = Field(default=None, description="Name of another load case, whose factor this case has in every combination.")
 _FIELDS: dict[str, Any] = {"with": (Text | None, _WITH)}
 # The key `with` is a keyword of Python, so that no class body can declare it.
 _Following = create_model("_Following", __base__=Table, **_FIELDS)
@@ -80,13 +80,13 @@ class Case(_Following):
     )
     action: Text | None = Field(
         default=None,
-        description="Name of the action of which this case is a part, such as the live load on one span; all parts "
-        "of an action lead or accompany together, and each part may be absent.",
+        description="Name of the action of which this case is a part, such as the live load on one span; its parts "
+        "together are the leading action or an accompanying one, and each part may be absent.",
     )
 
     @property
     def follows(self) -> str | None:
-        """Name of the case whose factor this case has."""
+        """Name of the load case whose factor this case has in every combination; None if it has a factor of its own."""
         name: str | None = getattr(self, "with")
         return name
 
@@ -117,7 +117,7 @@ Positions = Mapping[str, Sequence[str]]
 
 
 def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> Iterator[Complaint]:
-    """Yield the problems of [cases]: unknown load cases, wrong keys of moving loads, contradictions between cases."""
+    """Yield the problems of [cases]: unknown load cases, ``with`` at a moving load, contradictions between cases."""
     first: dict[tuple[str, str], Case] = {}
     for name, case in cases.items():
         if name not in known:
@@ -140,14 +140,14 @@ def complaints_of(cases: Cases, known: Sequence[str], positions: Positions) -> I
 
 
 def growing_in(cases: Cases) -> tuple[str, ...]:
-    """Load cases of [cases] that are neither permanent nor preloads; they grow in a check of overturning."""
+    """Load cases of [cases] that are neither permanent nor preloads; checks of overturning increase their factors."""
     own = {name: cases.get(case.follows or name, case) for name, case in cases.items()}
     still = ("permanent", "preload", "D", "P")
     return tuple(name for name, case in own.items() if (case.kind or case.asce) not in still)
 
 
 def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
-    """Error message that names the load cases without a role in a design code; empty if all have a role."""
+    """Error message that names the load cases without the key ``kind`` (EN 1990) or ``asce``; empty if all have it."""
     key = _KEY_OF[code]
     named = {name for name, case in cases.items() if case.follows is not None or getattr(case, key) is not None}
     missing = ", ".join(f"[cases.{case}]" for case in known if case not in named)
@@ -155,18 +155,18 @@ def missing_in(cases: Cases, known: Sequence[str], code: Code) -> str:
 
 
 def actions_of(cases: Cases, positions: Positions, code: Code) -> tuple[Action, ...]:
-    """Return the load cases as actions of a code; each position of a moving load is an alternative of its action."""
+    """Return the load cases as actions of a design code; each position of a moving load is an alternative."""
     exclusive: dict[tuple[str, str], dict[tuple[str, str], list[str]]] = {}
     for name, case in cases.items():
         if case.follows is None:
             part = ("action", case.action) if case.action else ("case", name)
             together = ("group", case.group) if case.group else part
             if code == "en1990" and case.kind in ("accidental", "seismic"):
-                together = ("kind", case.kind)  # One accidental or seismic action acts at a time (6.11b, 6.12b).
+                together = ("kind", case.kind)  # Only one such action acts at a time (EN 1990, 6.11b and 6.12b).
             exclusive.setdefault(together, {}).setdefault(part, []).append(name)
 
     def alternatives(names: list[str]) -> Iterator[dict[str, tuple[float, ...]]]:
-        """Yield the sets of load cases in which an action acts: one or more parts, moving loads at one position."""
+        """Yield the alternatives of an action: one or more of its parts, each moving load at one position."""
         choices: list[list[dict[str, tuple[float, ...]]]] = []
         for name in names:
             followers = [other for other in cases if cases[other].follows == name]

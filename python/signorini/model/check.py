@@ -17,7 +17,7 @@ from signorini.model.combination import Combination, Combinations
 from signorini.model.problems import as_list
 
 OVERTURNING = "overturning"
-"""Value of the key ``of`` for a check of the plate, as a rigid body, against overturning."""
+"""Value of the key ``of`` that checks the equilibrium of the plate as a rigid body, instead of a result."""
 
 
 def _bounds(value: object) -> object:
@@ -34,15 +34,16 @@ Bounds = Annotated[
 
 
 class Check(base.Named):
-    """A check of a field or of a number: utilisation = value / limit in every combination."""
+    """A check of a result against a limit: utilisation = value / limit in every combination."""
 
     of: base.Text = Field(
-        description='Checked quantity: a field such as "von_mises", a number such as "soil.max_pressure", a number at '
+        description='Checked result: a field such as "von_mises", a number such as "soil.max_pressure", a number at '
         'all points of a support, as in "anchors[*].reaction", or "overturning".'
     )
     limit: Bounds | None = Field(
         default=None,
-        description="Limit of the magnitude, or [lower, upper] with lower < 0 < upper; default 1 for overturning.",
+        description="Limit of the result's magnitude, or [lower, upper] with lower < 0 < upper; required, but for "
+        "overturning the default is 1.",
     )
     combinations: tuple[base.Text, ...] = Field(default=(), description="Names of checked combinations; default all.")
     group: base.Text = Field(default="", description="Group of combinations that is checked; default all combinations.")
@@ -62,7 +63,7 @@ class Check(base.Named):
         if self.limit is not None and min(map(abs, self.limit)) < LEAST:
             yield ("limit",), f"found {min(self.limit, key=abs):g}; it must be at least {LEAST:g} in size."
         if self.combinations and self.group:
-            yield ("group",), "found combinations and group; give one of them."
+            yield ("group",), "found the keys combinations and group; give one of them."
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -70,11 +71,11 @@ class Check(base.Named):
         return self.limit or (-1.0, 1.0)
 
     def limit_of(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Limits (...) of checked values (...): the lower limit for negative values, the upper limit for others."""
+        """Limit of each value (same shape): the lower limit if the value is negative, else the upper limit."""
         return np.where(values < 0.0, *self.bounds)
 
     def used(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Utilisations value / limit (...) of checked values (...)."""
+        """Utilisation value / limit of each checked value (same shape)."""
         return np.asarray(values / self.limit_of(values))
 
     def includes(self, group: str, combinations: Combinations) -> bool:
@@ -87,13 +88,13 @@ class Check(base.Named):
         return self.group in ("", combination.group) and combination.name in (self.combinations or (combination.name,))
 
     def growing(self, described: Cases) -> tuple[str, ...]:
-        """Load cases that grow until the plate overturns; by default all [cases] except permanent and preloads."""
+        """Load cases whose factors a check of overturning increases: ``grows``, or by default `growing_in`."""
         return self.grows or growing_in(described)
 
     def complaints_of(
         self, cases: Sequence[str], combinations: Combinations, described: Cases
     ) -> Iterator[base.Complaint]:
-        """Yield a problem for each name that the model does not have; places are relative to this table."""
+        """Yield a problem for each unknown load case, combination or group; paths are within this table."""
         if self.of == OVERTURNING and not self.growing(described):
             yield ("grows",), "'grows' is missing. Name the load cases that overturn the plate, such as [\"W\"]."
         for position, case in enumerate(self.grows):

@@ -27,7 +27,7 @@ def read_cells(path: Path, largest: int) -> list[list[str]]:
 
 def number_in(cell: str) -> float:
     """Read the number in a cell; NaN if the cell has no number."""
-    # float() alone would also accept 1_000 and digits that are not ASCII.
+    # Without this test float() would also accept 1_000 and digits that are not ASCII.
     try:
         return float(cell) if cell.isascii() and "_" not in cell else float("nan")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Values that vary over the plate, from a CSV file, a list of points, or a Python function."""
+"""Values of a key that vary over the plate: from a CSV file, a list of points, or a Python function."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class FieldTable(base.Table):
     """Values at points (x, y), in a file or in a list; between the points they are interpolated linearly."""
 
     file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] | None = pydantic.Field(
-        default=None, description="A CSV file with the columns x, y and value; relative to the input file."
+        default=None, description="A CSV file with the columns x, y and value; its path is relative to the input file."
     )
     points: Annotated[Field, PlainValidator(_read_listed), WithJsonSchema(_POINTS)] | None = pydantic.Field(
         default=None, description="In place of a file: a list of points with values, [[x, y, value], …]."

@@ -14,9 +14,9 @@ _FORCES = {
     **dict.fromkeys(("force", "preload", "preload_force"), 0),
     **dict.fromkeys(("couple", "moment", "couple_about", "Dx", "Dy", "D1", "Dxy"), 1),
 }
-"""Exponent of length in the unit force × length^exponent of each key whose unit contains a force."""
+"""Map from each key whose unit contains a force to the exponent n of its unit force × length^n."""
 _OF_PLACES = {"stiffness": -1, "limit": 0, "rotational_stiffness": 1}
-"""Exponent of length in the unit of keys of a support at points; `_PER` is added along lines and on areas."""
+"""Exponent n of the unit force × length^n of keys of a point support; for lines and areas add `_PER` to n."""
 _PER = {"edge": -1, "line": -1, "circle": -1, "area": -2}
 _LENGTHS = frozenset(
     (
@@ -55,7 +55,7 @@ def unit_of(key: str, units: Units, table: Mapping[str, Any] | None = None) -> s
 
 
 def unit_at(place: Sequence[str | int], units: Units, tables: Any) -> str:
-    """Label of the unit of the number at ``place`` in an input; a place is a path of keys and of positions from 0.
+    """Label of the unit of a number in the input; ``place`` is its path, of keys and of list indices from 0.
 
     Examples
     --------

@@ -116,7 +116,7 @@ class Load(Acting):
         """Couples [mx, my] at each point, from the key ``moment`` or ``couple_about``; None for other loads."""
         if self.couple_about is None:
             return self.moment
-        # Right-handed with z down: a couple about x works on ∂w/∂y, a couple about y on -∂w/∂x.
+        # Axes are right-handed with z down: a couple about x does work on ∂w/∂y, a couple about y on -∂w/∂x.
         return 0.0 - (self.couple_about.y or 0.0), self.couple_about.x or 0.0
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -147,9 +147,9 @@ class Probe(OnPlate):
 
 
 _SHORTEST_STEP = 1e-9
-"""Smallest length of the last step of a moving load, relative to ``step``.
+"""Smallest distance between the last two positions of a moving load, relative to ``step``.
 
-A shorter last step is taken as a rounding error of the line's length.
+A smaller distance is a rounding error of the line's length; the position at the line's end is then left out.
 """
 
 
@@ -169,15 +169,15 @@ Wheel = tuple[tuple[float, float], tuple[float, float], float]
 class Moving(OnPlate):
     """A load that moves along a line: axles with one or two wheels. A wheel is a force at a point or on a patch."""
 
-    case: Text = Field(min_length=1, description="Load case of the moving load; each position is a load case too.")
+    case: Text = Field(min_length=1, description="Name of the load in combinations; each position is a load case too.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
-    step: Positive = Field(description="Distance between positions; the last position is the end of the line.")
+    step: Positive = Field(description="Distance between positions of the load; the last one is at the line's end.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
         description="[distance behind the first axle, force] of each axle, such as [[0, 60], [1.2, 60]]."
     )
     gauge: NonNegative = Field(
         default=0.0,
-        description="Distance between the two wheels of an axle, each with half the axle's force; 0: one wheel.",
+        description="Distance between the two wheels of an axle, each with half its force; 0: axles have one wheel.",
     )
     patch: WheelPatch | None = Field(
         default=None, description="Footprint of each wheel, [length along the line, width across it]; default a point."
@@ -202,12 +202,12 @@ class Moving(OnPlate):
 
     @property
     def positions(self) -> dict[str, float]:
-        """Load case of each position, with the distance s of the first axle from the start of the line."""
+        """Map from the load case of each position to the distance s of the first axle from the start of the line."""
         travelled = [min(i * self.step, self.length) for i in range(self.count)]
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 
     def wheels(self, travelled: float) -> list[Wheel]:
-        """All wheels when the first axle is at s = ``travelled``; the line is continued straight before its start."""
+        """All wheels with the first axle at s = ``travelled``; the first segment extends beyond the line's start."""
         wheels: list[Wheel] = []
         for behind, force in self.axles:
             (x, y), (tx, ty) = self._point_at(travelled - behind)

@@ -1,4 +1,4 @@
-"""Cross sections of the plate and of its zones: materials, modifiers, stiffnesses."""
+"""Tables for cross sections of the plate and its zones: material, stiffness factors, stiffness of the section."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from signorini.shapes import Region
 _ISOTROPIC = ("E", "nu")
 _ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
 _REQUIRED = ("Ex", "Ey", "nu_xy", "Gxy")
-"""Keys that an orthotropic material must have; its other keys have defaults."""
+"""Keys that an orthotropic material must have; Gxz, Gyz and angle have defaults."""
 
 
 class Axes(NamedTuple):
@@ -65,14 +65,14 @@ class Material(Table):
     nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] | None = Field(
         default=None, description="Poisson's ratio, between -1 and 0.5."
     )
-    Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis, if orthotropic.")
-    Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis, if orthotropic.")
+    Ex: Positive | None = Field(default=None, description="Orthotropic: Young's modulus along the first axis.")
+    Ey: Positive | None = Field(default=None, description="Orthotropic: Young's modulus along the second axis.")
     nu_xy: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Poisson's ratio -ε₂/ε₁ under tension along the first axis, if orthotropic."
+        default=None, description="Orthotropic: Poisson's ratio -ε₂/ε₁ under tension along the first axis."
     )
-    Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate, if orthotropic.")
-    Gxz: Positive | None = Field(default=None, description="Shear modulus across the plate, first axis; default Gxy.")
-    Gyz: Positive | None = Field(default=None, description="Shear modulus across the plate, second axis; default Gxy.")
+    Gxy: Positive | None = Field(default=None, description="Orthotropic: shear modulus in the plane of the plate.")
+    Gxz: Positive | None = Field(default=None, description="Transverse shear modulus, first axis and z; default Gxy.")
+    Gyz: Positive | None = Field(default=None, description="Transverse shear modulus, second axis and z; default Gxy.")
     angle: Annotated[float, BeforeValidator(number)] | None = Field(
         default=None, description="Angle in degrees from x to the first axis of the material; default 0."
     )
@@ -97,12 +97,12 @@ class Material(Table):
 
     @property
     def axes(self) -> Axes:
-        """Moduli of an orthotropic material, with defaults, and the angle of its axes."""
+        """Moduli of an orthotropic material, with Gxz and Gyz equal to Gxy by default, and the angle of its axes."""
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _REQUIRED)
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
     def missing(self) -> Iterator[Complaint]:
-        """Yield a problem for each modulus that is missing from an isotropic material."""
+        """Yield a problem for each of E and nu that the material lacks."""
         for key in _ISOTROPIC:
             if getattr(self, key) is None:
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
@@ -133,20 +133,20 @@ class Material(Table):
 
 
 class Modifiers(Table):
-    """Factors of the stiffness of cracked, ribbed or hollow sections, along the material's axes or along x and y."""
+    """Factors that multiply stiffnesses of cracked, ribbed or hollow sections; axes: the section's, or else x and y."""
 
-    bending: Positive = Field(default=1.0, description="Factor of the bending stiffness.")
-    twist: Positive = Field(default=1.0, description="Factor of the twisting stiffness.")
-    shear: Positive = Field(default=1.0, description="Factor of the transverse shear stiffness.")
+    bending: Positive = Field(default=1.0, description="Factor that multiplies the bending stiffness.")
+    twist: Positive = Field(default=1.0, description="Factor that multiplies the twisting stiffness.")
+    shear: Positive = Field(default=1.0, description="Factor that multiplies the transverse shear stiffness.")
 
 
 class Stiffness(Table):
-    """Stiffness of a cross section along its axes 1 and 2, for sections that are not solid, such as ribbed ones."""
+    """Stiffness of a cross section along its axes 1 and 2; for sections that are not solid, such as ribbed slabs."""
 
     Dx: Positive = Field(description="Bending stiffness along the first axis, force times length.")
     Dy: Positive = Field(description="Bending stiffness along the second axis, force times length.")
-    D1: Number = Field(description="Bending moment along one axis per curvature along the other axis.")
-    Dxy: Positive = Field(description="Twisting moment per 2 w,xy: (1 - nu) D / 2 for a solid plate.")
+    D1: Number = Field(description="Bending moment along one axis per curvature along the other; solid plate: nu D.")
+    Dxy: Positive = Field(description="Twisting moment per twist 2 ∂²w/∂x∂y; solid plate: (1 - nu) D / 2.")
     Sx: Positive = Field(description="Shear stiffness along the first axis, force per length.")
     Sy: Positive = Field(description="Shear stiffness along the second axis, force per length.")
     angle: Number = Field(default=0.0, description="Angle in degrees from x to the first axis; default 0.")
@@ -158,9 +158,9 @@ class Stiffness(Table):
 
     @property
     def equivalent(self) -> tuple[float, float]:
-        """Thickness h and Young's modulus E of a solid plate with about this stiffness.
+        """Thickness h and Young's modulus E of a solid isotropic plate with about this stiffness.
 
-        h follows from the twisting stiffness G h³/12 and the shear stiffness 5/6 G h, averaged over all directions.
+        h follows from the means over all directions of the twisting stiffness G h³/12 and the shear stiffness 5/6 G h.
 
         Examples
         --------
@@ -191,7 +191,7 @@ ZONE_KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(OnPlate):
-    """A part of the plate with another thickness, material or modifiers; where zones overlap, the last one counts.
+    """A part of the plate with other properties; where zones overlap, each key is that of the last zone that gives it.
 
     A rigid zone moves as one body, also where other zones overlap it.
     """
@@ -202,14 +202,14 @@ class Zone(OnPlate):
 
     area: AnyArea = Field(description="Area of the zone: a table with one of rectangle, circle, polygon, annulus.")
     thickness: PositiveScalar | None = Field(
-        default=None, description="Thickness of the zone: a number or an expression in x and y; default as the plate."
+        default=None, description="Thickness of the zone: a number or an expression in x and y; default: the plate's."
     )
-    material: Material | None = Field(default=None, description="Material of the zone; default as the plate.")
+    material: Material | None = Field(default=None, description="Material of the zone; default: the plate's.")
     modifiers: Modifiers | None = Field(
         default=None, description="Stiffness factors of the zone, in place of those of the plate."
     )
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the zone's section; thickness is required as well, for the weight."
+        default=None, description="Stiffness of the zone's section; thickness is required as well, for its weight."
     )
     rigid: Flag = Field(
         default=False,
@@ -217,7 +217,7 @@ class Zone(OnPlate):
     )
     extremes: Flag = Field(
         default=True,
-        description="Whether results in the zone count in extremes and colour scales; a rigid zone is always excluded.",
+        description="Whether extremes and colour scales include results in the zone; a rigid zone is always excluded.",
     )
 
     @property
@@ -228,7 +228,7 @@ class Zone(OnPlate):
 
     @property
     def where(self) -> Where:
-        """The zone's area as a place on the plate."""
+        """The zone's area as an object `Where`, like the places of supports and loads."""
         return Where("area", region=self.region)
 
     def _complaints(self) -> Iterator[Complaint]:
@@ -246,5 +246,5 @@ class Zone(OnPlate):
 
     @property
     def is_solid(self) -> bool:
-        """Whether the zone is solid: with thickness or material, and without the key ``stiffness``."""
+        """Whether the zone has a solid section: it has the key ``thickness`` or ``material``, but not ``stiffness``."""
         return self.stiffness is None and bool(self.present(("thickness", "material")))

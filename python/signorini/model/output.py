@@ -32,9 +32,9 @@ from signorini.shapes.distances import depth
 from signorini.shapes.regions import meeting
 
 MAX_FULL_RESULTS = 12
-"""Largest number of combinations that all get full results, if ``combinations = "auto"``.
+"""Largest number of combinations for which ``combinations = "auto"`` means "each", with full results for all.
 
-More combinations are solved as rows of a table.
+For more combinations "auto" means "table".
 """
 
 _FIELDS_OPTIONS = ("governing", "all", "none")
@@ -69,8 +69,8 @@ class Output(Table):
 
     combinations: Literal["auto", "each", "table"] = Field(
         default="auto",
-        description=f"each: all results of every combination; table: a row of combinations.parquet for every one, "
-        f"envelopes, and all results of the combinations in the key fields; auto: each for up to "
+        description=f"each: all results of every combination; table: envelopes, a row of combinations.parquet for each "
+        f"combination, and all results only of the combinations in the key fields; auto: each for up to "
         f"{MAX_FULL_RESULTS} combinations, otherwise table.",
     )
     fields: Annotated[
@@ -98,16 +98,16 @@ class Output(Table):
 
 
 _IN_COLUMN = 1e-9
-"""Smallest depth of a station inside a column, relative to the column's size; on the outline it is outside."""
+"""Rounding tolerance, relative to a column's size: stations nearer to its outline are not inside the column."""
 _HALVINGS = 50
-"""Number of bisections that locate the face of a column on the center line of a strip, to rounding."""
+"""Number of bisections that locate the face of a column on the center line of a strip, up to rounding errors."""
 _STRIP_STATIONS = 21
 """Default number of stations of a strip.
 
 20 steps place stations at the quarter points of 1 or 5 equal spans, and at the middles of 2 equal spans.
 """
 _SAME_END = 1e-5
-"""Largest distance between the two ends of a line that counts as closed, relative to the line's extent.
+"""Largest distance between the two ends of a closed section line, relative to the line's extent.
 
 Coordinates in an input have more digits than this tolerance.
 """
@@ -132,7 +132,7 @@ def _segments(line: tuple[Point, ...]) -> Floats:
 
 
 class Section(OnPlate, Named):
-    """A line that cuts the plate; its results are the force and the moments between both parts."""
+    """A line that cuts the plate; its results are the force and the moments between the two parts of the plate."""
 
     line: Annotated[Polyline, AfterValidator(_closed)] = Field(
         description="The line of the section, [[x, y], [x, y], ...]; it begins and ends on the plate."
@@ -166,7 +166,7 @@ class Strip(OnPlate, Named):
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects both directions."""
+        """Points (n, 2) of the stations and unit tangents (n, 2); at a corner the tangent bisects its two segments."""
         return self._at(_equal_steps(self.line, self.stations)[1])
 
     def _at(self, s: Floats) -> tuple[Floats, Floats]:
@@ -183,13 +183,13 @@ class Strip(OnPlate, Named):
 
     @property
     def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        """Ends of the cross line at each station; the center line crosses it from its left to its right side."""
+        """Ends of the cross line at each station; seen along it, the center line runs from left to right."""
         return self._across(*self.places)
 
     def faces(self, column: Region) -> Iterator[tuple[int, tuple[Point, Point]]]:
-        """Yield the index of each station in a convex region, with the ends of a cross line at the region's outline.
+        """Yield the index of each station in a convex column, with the ends of a cross line at the column's outline.
 
-        A station has two such cross lines: where the center line enters the region and where it leaves the region.
+        A station has two such cross lines: where the center line enters the column and where it leaves the column.
         Cross lines beyond the ends of the strip are left out.
         """
         s, size = _equal_steps(self.line, self.stations)[1], math.dist(*np.array(column.bounds).reshape(2, 2))

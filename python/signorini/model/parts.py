@@ -20,9 +20,9 @@ from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile", "punching")
-"""Keys of the tables that belong to one plate."""
+"""Keys of tables that belong to the plate in their key ``plate``, and supports to both plates in ``between``."""
 _SAME_AREA = 1e-9
-"""Relative tolerance for equal areas; it covers the rounding of corners."""
+"""Tolerance for equal areas, relative to the area of the plate; it covers rounding errors of corners."""
 _REVERSED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 
@@ -43,11 +43,11 @@ class Whole(Protocol):
 
     @property
     def mesh(self) -> MeshOptions:
-        """Mesh options of plates without mesh options of their own."""
+        """Mesh options [mesh], for plates without a table ``mesh`` of their own."""
 
     @property
     def material(self) -> Material:
-        """Material of plates without a material of their own."""
+        """Material [material], for plates without a table ``material`` of their own."""
 
     @property
     def support(self) -> tuple[Support, ...]:
@@ -62,7 +62,7 @@ class Whole(Protocol):
         """All combinations of the model."""
 
     def varied(self, **tables: object) -> Self:
-        """Return a copy in which ``tables`` replace tables of the same key."""
+        """Return a copy of the model in which ``tables`` replace those with the same key."""
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""
@@ -73,7 +73,7 @@ M = TypeVar("M", bound=Whole)
 
 @dataclass(frozen=True)
 class Part(Generic[M]):
-    """One of several plates, as a model with the plate's supports and its contacts with other plates.
+    """One of several plates; ``model`` has this plate alone, with its supports and its contacts with other plates.
 
     ``numbers`` maps each key, such as "load", to the indices of the plate's tables in the whole model.
     """
@@ -84,7 +84,7 @@ class Part(Generic[M]):
 
     @cached_property
     def model(self) -> M:
-        """The plate as a model of one plate."""
+        """Model of this plate alone, with its own tables."""
         whole, plate = self.whole, self.whole.plates[self.name]
         tables: dict[str, object] = {
             key: tuple(getattr(whole, key)[i] for i in numbers) for key, numbers in self.numbers.items()
@@ -92,7 +92,7 @@ class Part(Generic[M]):
         tables["support"] = tuple(_on_plate(whole, whole.support[i], self.name) for i in self.numbers["support"])
         replaced = {key: getattr(plate, key) for key in self._replaced}
         title = ", ".join(part for part in (whole.title, self.name) if part)
-        # Compute the combinations of the whole model; `varied` copies them into the model of this plate.
+        # This access computes the whole model's combinations, which `varied` then copies into the model of this plate.
         _ = whole.effective_combinations
         result = whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), check=(), title=title)
         result.__dict__["_part"] = self.name
@@ -100,11 +100,11 @@ class Part(Generic[M]):
 
     @property
     def _replaced(self) -> tuple[str, ...]:
-        """Keys ("mesh", "material") whose tables the plate gives itself, in place of those of the whole model."""
+        """Those of the keys "mesh" and "material" that [plates.NAME] gives, in place of the whole model's tables."""
         return tuple(key for key in ("mesh", "material") if getattr(self.whole.plates[self.name], key) is not None)
 
     def place(self, place: Place) -> Place:
-        """Convert the place of a problem in this plate's model to the place in the whole model."""
+        """Convert the path of a problem in this plate's model to the path in the whole model's input."""
         key, *rest = place or ("",)
         if key == "plate" or key in self._replaced:
             return ("plates", self.name, *(rest if key == "plate" else place))
@@ -131,7 +131,7 @@ def _plates_of(table: OnPlate) -> tuple[str, ...]:
 
 
 def _on_plate(model: Whole, support: Support, name: str) -> Support:
-    """The support as it acts on plate ``name``; on the lower of two plates ``resists`` is reversed."""
+    """The support as it acts on plate ``name``; on the lower of two plates down and up of ``resists`` are exchanged."""
     if support.between is None:
         return support
     upper, lower = support.between
@@ -141,7 +141,7 @@ def _on_plate(model: Whole, support: Support, name: str) -> Support:
 
 
 def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
-    """The area that plates ``name`` and ``other`` have in common; "all" if it is the whole plate ``name``."""
+    """The area in which plates ``name`` and ``other`` overlap; "all" if it is the whole plate ``name``."""
     plate, other_plate = model.plates[name], model.plates[other]
     if isinstance(plate, MeshPlate) or isinstance(other_plate, MeshPlate):
         raise InputError(
@@ -174,12 +174,12 @@ def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
 def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
     """The corners and arcs of an outline, in the form of the key ``polygon``."""
     ends = [after if through is None else Arc(through=through, to=after) for _, through, after in contour.sides]
-    # The key ``polygon`` does not list a straight last side back to the first corner.
+    # In the key ``polygon`` a straight side from the last corner back to the first one is not listed.
     return (contour.corners[0], *(ends if isinstance(ends[-1], Arc) else ends[:-1]))
 
 
 def plate_complaints(model: Whole) -> Iterator[Complaint]:
-    """Yield the problems of [plates], of the names of plates in other tables, and of each plate."""
+    """Yield the problems of [plates], of other tables' references to plates, and of each plate's tables."""
     several = bool(model.plates)
     if several and model.plate is not None:
         yield ("plates",), "found both [plate] and [plates]; give one."
@@ -258,5 +258,5 @@ def _cycle_complaints(model: Whole) -> Iterator[Complaint]:
 
 
 def _place_of(index: int, first: int) -> Place:
-    """Place in the input of the support with index ``index``; from index ``first`` on, supports are contacts."""
+    """Path in the input of support ``index`` of `Model.support`; from ``first`` on, these are tables [[contact]]."""
     return ("support", index) if index < first else ("contact", index - first)

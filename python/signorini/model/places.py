@@ -1,4 +1,4 @@
-"""Shapes of the input: outlines, areas and holes."""
+"""Tables of the input that describe shapes: outlines, circles, areas, and holes of plates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAX_CORNERS = 2000
 The time for finding crossing sides grows with the square of this number.
 """
 _SAME_POINT = 1e-9
-"""Largest distance between equal points, relative to the outline's size; it covers rounding on arcs."""
+"""Largest distance, relative to the outline's size, up to which the last arc ends at the first corner."""
 
 
 class Arc(base.Table):
@@ -72,8 +72,8 @@ Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Fi
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
     """Return the closed outline with the corners and arcs ``corners``.
 
-    If a last arc ends at the first corner, within ``_SAME_POINT``, the arc closes the outline; otherwise a straight
-    side does.
+    If the last element is an arc that ends at the first corner (tolerance ``_SAME_POINT``), it closes the outline;
+    otherwise a straight side does.
     """
     points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
     through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
@@ -93,7 +93,7 @@ _FORMS = ("rectangle", "circle", "polygon")
 
 
 class Circle(base.Table):
-    """A circle: a curve for supports and line loads, a disc where an area is required."""
+    """A circle; supports and line loads act along it, and where an area is required it is a disc."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the circle; default [0, 0].")
     radius: base.Positive = Field(description="Radius of the circle.")
@@ -103,7 +103,7 @@ Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base
 
 
 def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
-    """Call ``build``; if it raises an InputError, yield ``key`` and the error's message."""
+    """Call ``build``, which makes a region; if it raises an InputError, yield (key,) and the error's message."""
     try:
         build()
     except InputError as error:
@@ -144,7 +144,7 @@ class Form(Outline):
 
     @cached_property
     def whole(self) -> Whole:
-        """The region that this table describes, which has no holes."""
+        """The region inside the rectangle, circle or polygon of this table."""
         if self.rectangle is not None:
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:

@@ -1,4 +1,4 @@
-"""The plate: outline, thickness, finite element and mesh options."""
+"""Tables [plate] and [mesh] of the input: outline, thickness and finite element of a plate, and mesh options."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ Divisions = Annotated[
 
 
 class Refinement(Located):
-    """Smaller elements at a place; the element size increases gradually with the distance from the place."""
+    """A place with smaller elements; the element size increases gradually with the distance from the place."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
-    size: base.Positive = Field(description="Element size at the place: largest side of an element.")
+    size: base.Positive = Field(description="Element size at the place: length of the longest side of an element.")
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from self._place_complaints("the place of the smaller elements")
@@ -39,7 +39,7 @@ class Refinement(Located):
             yield ("area",), 'found "all"; give size in [mesh] for the whole plate.'
 
     def boxes(self, plate: Box) -> list[Box]:
-        """Bounding boxes [x0, y0, x1, y1] of the places of refinement on a rectangular plate with the box ``plate``."""
+        """Bounding boxes [x0, y0, x1, y1] of the refined places on the rectangular plate [x0, y0, x1, y1]."""
         x0, y0, x1, y1 = plate
         sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
         sides["top"] = (x0, y1, x1, y1)
@@ -57,17 +57,17 @@ class MeshOptions(base.Table):
         default=None,
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
-    size: base.Positive | None = Field(default=None, description="Element size: largest side of an element.")
-    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
+    size: base.Positive | None = Field(default=None, description="Element size: length of its longest side.")
+    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements, each with a size.")
     snap: base.NonNegative = Field(
         default=0.0,
-        description="Snapping distance: supports, zones and loads closer than this to an edge or to each other are "
-        "moved onto that edge or item; default 0: no snapping.",
+        description="Snapping distance: supports, zones and loads that are closer than this to an edge, or to another "
+        "of them, are moved onto it; default 0: none is moved.",
     )
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(base.number)] | None = Field(
         default=None,
-        description="Largest allowed mesh error (half-width ±) of any result, relative to the largest value of its "
-        "field; the mesh is refined until all results meet this bound.",
+        description="Largest allowed mesh error (half-width ±) of any number, relative to the largest value of its "
+        "field, such as mx; the mesh is refined until all numbers meet this bound.",
     )
     error: StrictBool | None = Field(
         default=None,
@@ -88,10 +88,10 @@ _SHAPES = "Shape of the plate: one of rectangle, disc, annulus, polygon, mesh."
 MAX_ASPECT_RATIO = 1000.0
 """Largest ratio of length to width of a plate.
 
-The bending flexibilities of the two directions differ by the fourth power of this ratio, 1e12.
+The bending flexibilities of the two directions differ by its fourth power, 1e12; doubles have 16 digits.
 """
 _MAX_OFFSET = 1e6
-"""Largest distance of a plate from the origin, relative to the plate's size; coordinates then keep ten of 16 digits."""
+"""Largest distance of a plate from the origin, relative to its size, so that coordinates keep ten of 16 digits."""
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
@@ -107,9 +107,9 @@ class _Plate(base.Table):
         description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
     )
     shear_factor: base.Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
-    modifiers: Modifiers = Field(default=Modifiers(), description="Stiffness factors in bending, twist and shear.")
+    modifiers: Modifiers = Field(default=Modifiers(), description="Factors on stiffness in bending, twist and shear.")
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the section, in place of the stiffness from material and thickness."
+        default=None, description="Stiffness of the cross section; by default it follows from material and thickness."
     )
     mesh: MeshOptions | None = Field(
         default=None, description="For one of several plates: mesh options of this plate, in place of [mesh]."
@@ -119,7 +119,7 @@ class _Plate(base.Table):
     )
 
     def model_post_init(self, context: Any) -> None:
-        """Mark ``shape`` as set, so that a dump contains this key, which selects the class of the plate."""
+        """Mark ``shape`` as set, so that `model_dump(exclude_unset=True)` keeps this key, which selects the class."""
         self.__pydantic_fields_set__.add("shape")
 
 
@@ -147,7 +147,7 @@ class OutlinedPlate(_Plate):
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of the outer edges, followed by the names of the holes' edges."""
+        """Names of the edges, which supports and loads can use: outer edges, then those of the holes."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:
@@ -160,15 +160,15 @@ class OutlinedPlate(_Plate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest allowed numbers of elements along the two directions of a regular mesh."""
+        """Smallest allowed numbers of elements of a regular mesh, in the order of `MeshOptions.divisions`."""
         return 1, 1
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether sides of the regular mesh can follow the border of a zone, or the curve of a support or load."""
+        """Whether element sides of a regular mesh can follow the border of a zone, or a support or load on a curve."""
         return True
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the present mesh."""
+        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the unscaled mesh."""
         refine = tuple(place.model_copy(update={"size": place.size * factor}) for place in mesh.refine)
         return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
@@ -181,7 +181,7 @@ class _PatternedPlate(OutlinedPlate):
     """A plate that has a regular mesh if it has no holes: a rectangle, disc or annulus."""
 
     refines_regularly: ClassVar[bool] = False
-    """Whether the regular mesh of this class can be refined at places."""
+    """Whether a regular mesh of this class can have smaller elements at the places of `MeshOptions.refine`."""
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
         """Numbers of elements of a regular mesh (see `MeshOptions.divisions`); None for an unstructured mesh."""
@@ -193,7 +193,7 @@ class _PatternedPlate(OutlinedPlate):
         return self._at_least_minimum(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the present mesh."""
+        """Mesh options with element sizes multiplied by ``factor``; ``divisions`` are those of the unscaled mesh."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
@@ -245,7 +245,7 @@ class RectanglePlate(_PatternedPlate):
 
 
 class _RoundPlate(_PatternedPlate):
-    """A plate between concentric circles; its regular mesh has radial and circumferential lines."""
+    """A disc or annulus, full or a sector of it; its regular mesh has radial and circumferential lines."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y] of the plate; default [0, 0].")
 
@@ -261,7 +261,7 @@ def _quarters(sector: float) -> float:
 
 
 class DiscPlate(_RoundPlate):
-    """A full, half or quarter disc; the angle of a sector runs from the x axis towards y."""
+    """A full, half or quarter disc; a half or quarter begins at the x axis and extends towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
     radius: base.Positive = Field(description="Radius of the disc.")
@@ -286,7 +286,7 @@ class DiscPlate(_RoundPlate):
 
 
 class AnnulusPlate(_RoundPlate):
-    """A full ring or a sector of a ring; the angle of a sector runs from the x axis towards y."""
+    """A full ring, or a sector of a ring, which begins at the x axis and extends towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
     inner: base.Positive = Field(description="Inner radius of the ring.")
@@ -310,7 +310,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest numbers of elements: one along a radius, and one per quarter circle."""
+        """Smallest numbers of elements, [radial, around]: one along a radius, and one per quarter circle."""
         return 1, math.ceil(self.sector / 90)
 
     def _lengths(self) -> tuple[float, float]:
@@ -379,7 +379,7 @@ class MeshPlate(_Plate):
 
     @property
     def edge_names(self) -> None:
-        """None: the names of the edges are known only after the file is read."""
+        """None, as the names of the edges are in the mesh file, which is not read yet."""
         return None
 
 

@@ -17,7 +17,7 @@ from signorini.errors import InputError, Place
 
 
 def describe(value: object) -> str:
-    """Write a value as in an input file; long values are shortened."""
+    """Return a value as text for messages, written as in an input file; long values are shortened."""
     match value:
         case bool():
             return str(value).lower()
@@ -46,7 +46,7 @@ def as_list(value: Any) -> Any:
 
 
 _MAX_EXPLAINED = 1000
-"""Largest number of pydantic's errors that are converted; the message gives the number of the remaining errors."""
+"""Largest number of pydantic's errors listed in a message; the message gives only the number of further errors."""
 
 LISTS = (
     *("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip"),
@@ -54,12 +54,12 @@ LISTS = (
 )
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Keys that take tables of several classes (tagged unions), each with its classes by tag in pydantic's paths.
+"""Map from each key whose value is a tagged union to the classes of the union, by their tags in pydantic's paths.
 
-The modules that define the unions add their entries.
+The modules that define the unions, such as ``plate``, add their entries.
 """
 TOP: dict[str, tuple[type[BaseModel], ...]] = {}
-"""Keys of the whole model, each with the classes of its table; used for hints about a misplaced key."""
+"""Keys of `Model`, each with the classes of its table; needed for messages that name the table of a misplaced key."""
 
 
 _LIMITS = {
@@ -96,7 +96,7 @@ def explained(
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:
-    """Convert errors to pairs (path, message); errors that follow from another error are left out."""
+    """Convert errors to pairs (path, message), but none that follows from another, such as a misspelt key."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))
@@ -116,7 +116,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
 
 
 def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
-    """Convert a path of pydantic to a path in the input; return it with the table and field of its last key."""
+    """Convert a path of pydantic to a path in the input; return also the class and the field of its last key."""
     path: list[str | int] = []
     owner: type[BaseModel] = root
     inner: type[BaseModel] | None = root
@@ -127,7 +127,7 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
         value = as_list(value)
         if isinstance(key, int):
             nested = isinstance(loc[position + 1], int) if position + 1 < len(loc) else False
-            # If a single point or edge is given without a list, its path in the input has no position.
+            # A single point or edge may be given without a list; its path in the input then has no list index.
             is_list = isinstance(value, list | tuple)
             if is_list and (not nested or any(isinstance(as_list(item), list | tuple) for item in value)):
                 path.append(key)
@@ -149,7 +149,7 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
 
 
 def tables_of(root: type[BaseModel]) -> dict[str, tuple[type[BaseModel], ...]]:
-    """Return the keys of a table, each with the classes of tables that are allowed as its value."""
+    """Return the keys of the table ``root``, each with the classes of tables that are allowed as its value."""
     below = {name: _table_in(field.annotation) for name, field in root.model_fields.items()}
     return {
         name: tuple(BRANCHES[name].values()) if name in BRANCHES else (table,) if table is not None else ()
@@ -164,7 +164,7 @@ def _table_in(annotation: object) -> type[BaseModel] | None:
 
 
 def _label(path: Place, data: Any) -> str:
-    """Name of the support or combination, or load case of the load, in which the path lies; empty for other tables."""
+    """Name of the support or combination, or case of the load, to which ``path`` leads; empty for other tables."""
     match path:
         case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
             tables = data.get(key)

@@ -1,4 +1,4 @@
-"""Columns that are checked for punching: places, outlines, code, depth and reinforcement."""
+"""Tables [[punching]] of the input: columns to be checked for punching, design code, depth and reinforcement."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from signorini.shapes import Hollow, Whole
 
 EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
 _RANGES = {"fck": (5.0, 120.0), "fyk": (200.0, 1000.0)}
-"""Smallest and largest strength in MPa; other values are assumed to be in a wrong unit."""
+"""Smallest and largest accepted strength in MPa; other values are probably in a wrong unit."""
 _MOST_STEEL = 0.1
-"""Largest ratio of reinforcement; a larger value is assumed to be in per cent."""
+"""Largest accepted ratio of reinforcement As / (b d); a larger value is probably in per cent."""
 
 
 Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
 
 
 class ColumnAt(NamedTuple):
-    """A column of a model: name such as "punching:columns[3]", indices of its table, point and support, and place."""
+    """A column: name such as "punching:columns[3]", indices of its [[punching]], point and support, center, outline."""
 
     subject: str
     table: int
     point: int
-    support: int | None  # None for a column that stands on the plate
+    support: int | None  # None for a column that stands on the plate, as a load
     at: tuple[float, float]
     outline: Whole
 
 
 class Punching(base.OnPlate, base.Named):
-    """A check of columns for punching: of a slab on a support, or of a raft under the forces of a load case."""
+    """A check of the plate for punching: by columns below (a support), or by columns on it (forces of a load case)."""
 
     name: base.Text = Field(
         default="", description="Name of the columns; default the name of the support or load case."
@@ -63,23 +63,23 @@ class Punching(base.OnPlate, base.Named):
     )
     d: Pair | None = Field(
         default=None,
-        description="Effective depths [dx, dy]; default: thickness at the column less the distance of the bars in "
-        "[reinforcement], of top bars over a support, of bottom bars of a raft.",
+        description="Effective depths [dx, dy] of the bars in tension; default: thickness less the distance of these "
+        "bars in [reinforcement]: top bars over a support, bottom bars of a raft.",
     )
     rho: Pair | None = Field(
         default=None,
-        description="Ratios [ρx, ρy] of the bars in tension, for EN 1992; default with [reinforcement]: the minimum.",
+        description="Ratios [ρx, ρy] of the bars in tension, for EN 1992; default with [reinforcement]: minimum ratio.",
     )
     fck: base.Positive | None = Field(
-        default=None, description="Strength of concrete, fck or f'c, as force per area; default as [reinforcement]."
+        default=None, description="Strength of concrete, fck or f'c, as force per area; default fck of [reinforcement]."
     )
     fyk: base.Positive | None = Field(
         default=None,
-        description="Strength of shear reinforcement, fyk or fyt, as force per area; default as [reinforcement].",
+        description="Strength of shear reinforcement, fyk or fyt, as force per area; default fyk of [reinforcement].",
     )
     beta: Literal["computed"] | base.Positive = Field(
         default="computed",
-        description="Factor β ≥ 1 of the shear stress, for unbalanced moments: computed, or a number.",
+        description='Factor β ≥ 1 by which unbalanced moments increase the shear stress: "computed", or a number.',
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -89,11 +89,11 @@ class Punching(base.OnPlate, base.Named):
 
     @property
     def columns_name(self) -> str:
-        """Common name of the columns, without the number in brackets."""
+        """Common part of the columns' names: ``name``, by default the name of the support or load case."""
         return self.name or self.support or self.load or ""
 
     def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
-        """Yield the column at each point, or None if its outline is missing; ``table`` is the index of this table."""
+        """Yield the column at each point, or None if it has no outline; ``table`` is the index of this [[punching]]."""
         places: list[tuple[Acting, tuple[float, float], int | None]] = []
         for load in loads:
             if load.case == self.load and load.plate == self.plate and load.force is not None:
@@ -120,7 +120,7 @@ class Punching(base.OnPlate, base.Named):
     def complaints_of(
         self, supports: Sequence[Support], loads: Sequence[Load], units: Any, reinforced: bool
     ) -> Iterator[base.Complaint]:
-        """Yield the contradictions with other tables of the model; their keys are relative to this table.
+        """Yield the contradictions with other tables of the model, each with its path within this table, and a message.
 
         ``reinforced`` says whether the model has [reinforcement].
         """

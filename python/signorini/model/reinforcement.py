@@ -1,4 +1,4 @@
-"""Reinforcement: design code, strengths, and distances of the bars from the faces of the plate."""
+"""Table [reinforcement] of the input: design code, strengths, and distances of bars from the plate's faces."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from signorini.design import en1992_bending as en1992
 from signorini.model.base import Complaint, Flag, NonNegative, Positive, Table, vector
 
 _PLAIN = 1e-6
-"""Tolerance, relative to fctm: a face with a smaller tensile stress requires no bars. The stress is then rounding."""
+"""Tensile stress, relative to fctm, below which a face requires no bars: such a stress is a rounding error."""
 
 Distances = Annotated[tuple[Positive, Positive], *vector(2, "two distances [dx, dy]")]
 
 
 class Cover(Table):
-    """Concrete cover of the outer bars at both faces."""
+    """Concrete cover of the outer bars, those along x, at both faces."""
 
-    top: NonNegative = Field(description="Cover at the top.")
-    bottom: NonNegative = Field(description="Cover at the bottom.")
+    top: NonNegative = Field(description="Concrete cover at the top face.")
+    bottom: NonNegative = Field(description="Concrete cover at the bottom face.")
 
 
 class Reinforcement(Table):
-    """Code and strengths for the required reinforcement; at both faces bars along x are outside, along y inside."""
+    """Code and strengths for the required reinforcement; at both faces, bars along x are the outer layer."""
 
     code: Literal["EN 1992-1-1:2004"] = Field(description="Design code.")
     fck: Positive = Field(description="Characteristic strength of concrete, as force per area.")
     fyk: Positive = Field(description="Characteristic yield strength of the bars, as force per area.")
     cover: Cover | None = Field(
-        default=None, description="Concrete cover of the bars along x, { top = …, bottom = … }."
+        default=None, description="Concrete cover of the outer bars (along x), { top = …, bottom = … }."
     )
     bar: Positive | None = Field(default=None, description="Diameter of the bars; required with cover.")
     d_top: Distances | None = Field(
@@ -39,12 +39,12 @@ class Reinforcement(Table):
         description="In place of cover and bar: distances [dx, dy] from the top face to the axes of the bars.",
     )
     d_bottom: Distances | None = Field(
-        default=None, description="In place of cover and bar: distances [dx, dy] from the bottom face to the axes."
+        default=None, description="In place of cover and bar: distances [dx, dy] from bottom face to axes of the bars."
     )
     face: Flag = Field(
         default=False,
-        description="Whether design moments in a column, the footprint of a support at a point, are those at its "
-        "faces; at a support without footprint they are then means over a radius.",
+        description="Whether bars within a column (footprint of a point support) are designed for the moments at the "
+        "column's faces; without a footprint, for means along diameters of a circle.",
     )
     gamma_c: Positive = Field(default=en1992.GAMMA_C, description="Partial factor γC of concrete.")
     gamma_s: Positive = Field(default=en1992.GAMMA_S, description="Partial factor γS of the bars.")
@@ -58,7 +58,7 @@ class Reinforcement(Table):
             yield (), f"found {' and '.join(given) or 'no distances'}; give cover and bar, or d_top and d_bottom."
 
     def complaints_in(self, length: str, force: str) -> Iterator[Complaint]:
-        """Yield a problem if a unit is unknown, or if a strength, in MPa, is outside the range of the code."""
+        """Yield a problem if a strength is outside the range of the code, or if unknown units prevent this check."""
         for key, unit, known in (("length", length, METRES), ("force", force, NEWTONS)):
             if unit not in known:
                 why = f"{self.code} needs a known unit: units.{key} must be one of {', '.join(known)}."
@@ -72,17 +72,17 @@ class Reinforcement(Table):
 
     @property
     def distances(self) -> tuple[float, float, float, float]:
-        """Distances from a face to the axes of its bars: bottom bars along x and y, top bars along x and y."""
+        """Distances of bar axes from the nearer face: bottom bars along x, along y, top bars along x, along y."""
         if self.d_bottom is not None and self.d_top is not None:
             return (*self.d_bottom, *self.d_top)
         assert (
             self.cover is not None and self.bar is not None
-        )  # Validation requires cover and bar without d_bottom and d_top.
+        )  # Validation requires cover and bar if d_bottom and d_top are absent.
         bottom, top = self.cover.bottom + 0.5 * self.bar, self.cover.top + 0.5 * self.bar
         return bottom, bottom + self.bar, top, top + self.bar
 
     def section(self, length: str, force: str) -> en1992.Bars:
-        """Data of the reinforced section for the design, in the model's units of length and force."""
+        """Design data of the reinforced section: bar distances, strengths, ratios; units are ``length``, ``force``."""
         unit = _megapascals(length, force)
         fck, fyk = self.fck * unit, self.fyk * unit
         depth, strength = en1992.stress_block(fck)
@@ -98,5 +98,5 @@ class Reinforcement(Table):
 
 
 def _megapascals(length: str, force: str) -> float:
-    """Factor from the model's unit of stress to MPa."""
+    """Value in MPa of the stress unit ``force``/``length``²."""
     return NEWTONS[force] / METRES[length] ** 2 * 1e-6

@@ -1,4 +1,4 @@
-"""The study file: an input file as template, parameters to vary, and the names of the results."""
+"""Study files: an input file as template, the keys to vary, and the names of the resulting numbers."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class StudyFile(Table):
 
     template: Text = Field(description="Input file whose keys are varied; relative to the study file.")
     parameters: dict[str, Any] = Field(
-        description="Values or distribution of each varied key, by the key's path in the template."
+        description="List of values, or a distribution, for the path of each varied key in the template."
     )
     results: tuple[Text, ...] = Field(
-        description="Names of the resulting numbers, written as for thresholds of a load path."
+        description="Names of the numbers to compute, written as in thresholds of a load path."
     )
     design: Design | None = Field(
-        default=None, description='Combination of the values: "grid", "list" or "latin" (Latin hypercube).'
+        default=None, description='Design of the variants: "grid", "list" or "latin" (Latin hypercube).'
     )
     samples: Count | None = Field(default=None, description="Number of variants of a Latin hypercube.")
     seed: int = Field(default=0, ge=0, strict=True, description="Seed of the random numbers.")

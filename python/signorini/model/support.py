@@ -1,4 +1,4 @@
-"""Supports: place, direction, gap, stiffness, limit or law, preload; contacts between plates."""
+"""Tables [[support]] and [[contact]] of the input: place, direction, gap, stiffness, limit or law, preload."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ Fix = Annotated[
 
 
 _MAX_LAW_POINTS = 100
-"""Largest number of points of a law; one byte holds the number of a piece, counted in both directions."""
+"""Largest number of points of a law, so that one byte can number the pieces of an antisymmetric law."""
 
 
 def _law(value: object) -> object:
@@ -110,11 +110,11 @@ Rotational = Annotated[
 
 
 _PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
-"""Keys whose value can be a list with one number per point of the support; the key ``order`` takes such a list too."""
+"""Keys whose value can be a list with one number per point of the support, beside the key ``order``."""
 
 
 def _direction(value: object) -> object:
-    """Refuse "tension", "compression" and similar words; the message names the directions that are allowed."""
+    """Refuse ``resists = "tension"``, "compression" and similar words; the message gives the allowed value."""
     text = value.lower() if isinstance(value, str) else ""
     for direction, acts, stems in (("up", "holds the plate down", "tens pull"), ("down", "pushes it up", "compr push")):
         if any(stem in text for stem in stems.split()):
@@ -124,7 +124,7 @@ def _direction(value: object) -> object:
 
 
 _NOT_BETWEEN = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
-"""Keys that are not allowed together with ``between``."""
+"""Keys that are not allowed with ``between``, in a support between two plates."""
 
 
 class Support(Acting, base.Named):
@@ -165,22 +165,23 @@ class Support(Acting, base.Named):
     )
     law: Law | None = Field(
         default=None,
-        description="Law in place of stiffness and limit: [[travel, force], …], nondecreasing, from [0, 0]; the last "
-        "slope continues; with resists = both the law is antisymmetric, unless it begins at a negative travel.",
+        description="Force-travel law in place of stiffness and limit: [[travel, force], …], nondecreasing, from "
+        "[0, 0]; its last slope continues; with resists = both antisymmetric, unless it begins at a negative travel.",
     )
     rotational_stiffness: Rotational | None = Field(
         default=None,
-        description="Stiffness (moment per rotation) of an elastically held slope: along an edge, a line or a circle "
-        "per length, for the slope across it; at a point or footprint for both axes, or [about x, about y].",
+        description="Rotational stiffness (moment per rotation) of the support: along an edge, a line or a circle per "
+        "length, for the slope across it; at a point or footprint for both axes, or [about x, about y].",
     )
     settlement: PointScalar = Field(
         default=Expression(0.0),
-        description="Downward displacement of the base: a number, an expression, or a list with one value per point; "
-        "default 0.",
+        description="Downward displacement of the support's base: a number, an expression, or a list with one value "
+        "per point; default 0.",
     )
     between: Between | None = Field(
         default=None,
-        description='["upper", "lower"]: the two plates that the support connects; resists is for the upper plate.',
+        description='["upper", "lower"]: names of the two plates that the support connects; the key resists is for '
+        "the upper plate.",
     )
     preload: PositivePointScalar | None = Field(
         default=None,
@@ -204,26 +205,26 @@ class Support(Acting, base.Named):
     )
 
     default_resists: ClassVar[Literal["down", "both"]] = "both"
-    """Value of ``resists`` if neither ``fix`` nor ``resists`` is given."""
+    """Value of the key ``resists`` in a table without the keys ``fix`` and ``resists``."""
     _tightened: bool = PrivateAttr(default=False)
 
     def model_post_init(self, context: Any) -> None:
-        """Assign lists with one value per point to the points of ``at``."""
+        """Store the points of ``at`` in each list with one value per point, so that it can be evaluated at a point."""
         for key in _PER_POINT if self.at is not None else ():
             self.__dict__[key] = self.on_points(getattr(self, key))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the support with other keys; lists with one value per point then apply to the points of the copy."""
+        """Copy the support with other keys; lists with one value per point then belong to the points of the copy."""
         copy = super().model_copy(update=update, deep=deep)
         copy.model_post_init(None)
         return copy
 
     def on_points(self, value: Any) -> Any:
-        """Assign the values of a list to the points of this support; other kinds of values are returned unchanged."""
+        """Return a list with one value per point together with this support's points; other values unchanged."""
         return PointValues(value.values, self.at or ()) if isinstance(value, PointValues) else value
 
     def as_bolt(self) -> Self:
-        """Copy the support and mark the copy as bolts that are tightened by [[tightening]]."""
+        """Copy the support; the points of the copy are marked as bolts that a table [[tightening]] tightens."""
         copy = self.model_copy()
         copy._tightened = True
         return copy
@@ -241,7 +242,7 @@ class Support(Acting, base.Named):
     @model_validator(mode="after")
     def _apply_default_resists(self) -> Self:
         if self.fix is None and self.resists is None:
-            # The key `resists` is not marked as set, so that a dump contains only keys of the input.
+            # `resists` is not marked as set, so that `model_dump(exclude_unset=True)` has only keys of the input.
             self.__dict__["resists"] = self.default_resists
             self.model_fields_set.discard("resists")
         return self
@@ -252,7 +253,7 @@ class Support(Acting, base.Named):
 
     @property
     def fixed(self) -> tuple[Component, ...]:
-        """The components that ``fix`` holds, in the order w, slope, twist; empty without ``fix``."""
+        """The displacements that ``fix`` holds, in the order w, slope, twist; empty without ``fix``."""
         if self.fix is None:
             return ()
         held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
@@ -260,17 +261,17 @@ class Support(Acting, base.Named):
 
     @property
     def fixing(self) -> str:
-        """The components that ``fix`` holds, as text for messages: a name such as "hard", or a list."""
+        """The displacements that ``fix`` holds, as text for messages: a name such as "hard", or "w slope held"."""
         return self.fix if isinstance(self.fix, str) else f"{' '.join(self.fix or ())} held"
 
     @property
     def rotational(self) -> Rotational:
-        """Rotational stiffness: one formula, or two about x and y at points; empty if the support has none."""
+        """Rotational stiffness: one expression, or two (about x and y) at points; empty if the support has none."""
         return self.rotational_stiffness or ()
 
     @property
     def prescribes_slopes(self) -> bool:
-        """Whether the support has the key ``rotation``, which prescribes values of the slopes that it holds."""
+        """Whether the key ``rotation`` prescribes the values of held slopes."""
         return self.rotation is not None
 
     @property
@@ -280,12 +281,12 @@ class Support(Acting, base.Named):
 
     @property
     def on_nodes(self) -> bool:
-        """Whether the reactions act at points or on lines, not distributed over an area or a footprint."""
+        """Whether reactions act at points or on lines; false if they are distributed over an area or a footprint."""
         return self.area is None and not self.has_footprint
 
     @property
     def holds_w(self) -> bool:
-        """Whether the support acts on the deflection w, in one direction or both."""
+        """Whether the support acts on the deflection w in at least one direction, by ``resists`` or ``fix``."""
         return self.resists is not None or "w" in self.fixed
 
     @property
@@ -295,12 +296,12 @@ class Support(Acting, base.Named):
 
     @property
     def direction(self) -> Literal["down", "up", "both"]:
-        """Direction of the motions that the support resists: "down", "up" or "both"; with ``fix`` always "both"."""
+        """Deflections that the support resists: "down", "up" or "both"; with ``fix`` always "both"."""
         return self.resists or "both"
 
     @property
     def has_gap(self) -> bool:
-        """Whether the gap of the support is nonzero in at least one place."""
+        """Whether the gap can be other than 0: one of its values is nonzero, or it is an expression in x and y."""
         return not _is_zero(self.gap)
 
     @property
@@ -310,12 +311,12 @@ class Support(Acting, base.Named):
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the support has a finite stiffness; false for a law with a vertical piece."""
+        """Whether the support has a finite stiffness; false for a law with a vertical piece, of infinite slope."""
         return self.modulus is not None
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the support holds the deflection w without elastic travel; the support may have a limit."""
+        """Whether the support holds w without a finite stiffness: it is rigid, or its law has a vertical piece."""
         return self.holds_w and not self.is_elastic
 
     @property
@@ -333,7 +334,7 @@ class Support(Acting, base.Named):
 
     @property
     def has_pieces(self) -> bool:
-        """Whether the support has a law or a limit; results then report the piece on which each point is."""
+        """Whether the support has a law or a limit; results then give the piece of the law on which each point is."""
         return self.law is not None or self.limit is not None
 
     @property
@@ -407,7 +408,7 @@ class Support(Acting, base.Named):
             yield (key,), f"{key} needs a preload; give a preload, or remove {key}."
 
     def bolt_complaints(self) -> Iterator[base.Complaint]:
-        """Yield the reasons why the points of the support cannot be tightened as bolts."""
+        """Yield the problems that prevent the support's points from being bolts that are tightened."""
         place = ("preload",)
         if self.fix is not None:
             yield place, "a preload is not allowed with fix; use resists = up or both."
@@ -485,13 +486,13 @@ _CONTACT_KEYS = (
 
 
 def _only_contact_keys(schema: dict[str, Any]) -> None:
-    """Restrict the JSON Schema of a contact to the keys that a contact can have."""
+    """Remove keys of supports that a contact cannot have from the JSON Schema of a contact; require ``between``."""
     schema["properties"] = {key: value for key, value in schema["properties"].items() if key in _CONTACT_KEYS}
     schema["required"] = ["between"]
 
 
 class Contact(Support):
-    """Contact of an upper plate with a lower plate: a support between the two plates that only pushes them apart.
+    """Contact between an upper and a lower plate: a support between the two plates that can only push them apart.
 
     A contact takes a place (one of at, line, circle, area), gap, stiffness, limit or law.
     """

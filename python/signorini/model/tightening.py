@@ -13,9 +13,9 @@ from signorini.model.support import Support
 
 
 class Tightening(base.Table):
-    """One round of tightening: bolts of a support are tightened, each at most once."""
+    """One round of tightening: all or some bolts of a support are tightened to a force, each at most once."""
 
-    support: base.Text = Field(description="Name of the support whose points are the bolts.")
+    support: base.Text = Field(description="Name of the support whose points are the tightened bolts.")
     force: PositivePointScalar = Field(
         description="Force to which each bolt is tightened: a number, an expression, or a list with one value per "
         "point."
@@ -28,12 +28,12 @@ class Tightening(base.Table):
     )
     case: base.Text | None = Field(
         default=None,
-        description="Load case whose factor in a combination multiplies the force; a combination without this case "
-        "has no such round; default: factor 1 in all combinations.",
+        description="Load case whose factor in a combination multiplies the force; in a combination without this case "
+        "the round is left out; default: factor 1 in all combinations.",
     )
 
     def complaints_of(self, support: Support) -> Iterator[base.Complaint]:
-        """Yield the problems of tightening the bolts of ``support``; places are relative to this table."""
+        """Yield the problems of this round for the bolts of ``support``; their paths are within this table."""
         if support.preload is not None:
             yield (
                 ("support",),

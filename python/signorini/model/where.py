@@ -1,4 +1,4 @@
-"""Places of supports, loads and refinements: the keys of the input, and class `Where` made from these keys."""
+"""Places of supports, loads and mesh refinements: keys of the input, and the class `Where` that they give."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 
 FOOTPRINT = ("patch", "radius")
 _MIN_RADIUS = 0.5
-"""Smallest radius of a circle that the mesh follows, relative to the element size.
+"""Smallest radius of a circle along which the mesh has element sides, relative to the element size.
 
-The 12 elements around such a circle have sides of about a quarter of the element size.
+The 12 elements around the smallest circle have sides of about a quarter of the element size.
 """
 
 
@@ -30,8 +30,8 @@ The 12 elements around such a circle have sides of about a quarter of the elemen
 class Where:
     """A place on the plate: points, edges, a curve, or an area (a region, or the whole plate).
 
-    ``key`` is the key of the place in the input; nodes of a mesh file have the key "at". ``footprints`` has one region
-    per point, or is empty.
+    ``key`` is the key that gives the place in the input, with "at" also for nodes. ``footprints`` has one region for
+    each of the points, or is empty.
     """
 
     key: PlaceKey
@@ -69,17 +69,17 @@ def curve_of(line: tuple[Point, ...] | None, circle: Circle | None) -> Curve | N
 
 
 def mesh_follows(curve: Curve, size: float) -> bool:
-    """Whether a mesh of element size ``size`` follows a curve; too small circles are not followed."""
+    """Whether element sides follow a curve in a mesh of element size ``size``: all curves but too small circles."""
     return not isinstance(curve, Ring) or curve.radius >= _MIN_RADIUS * size
 
 
 def one_of(keys: tuple[str, ...]) -> list[JsonValue]:
-    """JSON Schemas for ``oneOf``: exactly one of ``keys`` is required."""
+    """Value of ``oneOf`` in a JSON Schema that requires exactly one of ``keys``."""
     return [{"required": [key]} for key in keys]
 
 
 class Located(base.Table):
-    """Base class of tables with a place, which is given by exactly one of the keys ``places``."""
+    """Base class of tables with a place on the plate, which exactly one of the keys ``places`` gives."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "edge", "line", "circle", "area")
 
@@ -88,9 +88,9 @@ class Located(base.Table):
     )
     edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="A circle as a curve: { center = [x, y], radius = r }.")
+    circle: Circle | None = Field(default=None, description="A circle, not a disc: { center = [x, y], radius = r }.")
     area: AnyArea | None = Field(
-        default=None, description='"all", or a table with one of rectangle, circle, polygon, annulus.'
+        default=None, description='"all" (the whole plate), or a table with one of rectangle, circle, polygon, annulus.'
     )
 
     @property
@@ -137,7 +137,7 @@ class Acting(Located, base.OnPlate):
         description="Footprint of each point or node: a rectangle [length along x, width along y] around it.",
     )
     angle: Annotated[float, BeforeValidator(base.number)] | None = Field(
-        default=None, description="Rotation of the patch: degrees from x to its first side, towards y; default 0."
+        default=None, description="Angle of the rectangle patch: degrees from x to its length, towards y; default 0."
     )
     radius: base.Positive | None = Field(
         default=None, description="Footprint of each point or node: radius of a disc around it."

@@ -1,4 +1,4 @@
-"""The whole input: class `Model`, its checks that involve several tables, and `validate`."""
+"""The whole input: class `Model`, checks that involve several of its tables, and `validate`."""
 
 from __future__ import annotations
 
@@ -51,18 +51,18 @@ from signorini.shapes import Region
 _MAX_ELEMENTS = 10_000_000
 """Largest number of elements of a regular mesh; a larger number is assumed to be a typing error."""
 _MAX_COMBINATIONS = 1_000_000
-"""Largest number of combinations of a model."""
+"""Largest number of combinations of a model; more are refused."""
 _MAX_POSITIONS = 2000
 """Largest total number of positions of all moving loads; each position is a load case."""
 
 _COUNTED = ("support", "contact", "load", "combination", "zone")
-"""Keys of the tables whose number ``repr(model)`` shows."""
+"""Keys of the lists of tables whose lengths ``repr(model)`` shows."""
 
 _HasName = TypeVar("_HasName", bound=Named)
 
 
 class Units(Table):
-    """Labels of the units of the input, which must be consistent; the output shows the labels, values are unchanged."""
+    """Labels of the input's consistent units, which the output shows; no values are converted."""
 
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
@@ -80,12 +80,12 @@ class Solver(Table):
 
     method: Literal["auto", "lemke", "active_set"] = Field(
         default="auto",
-        description="Method that is tried first; auto chooses it by the contact points; after a failure others follow.",
+        description="Method that is tried first, before others; auto chooses by the number and kind of contact points.",
     )
 
 
 def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
-    """Give tables without a name the default name: kind and position, such as "support 1"."""
+    """Give tables without a name the default name: type and number, such as "support 1"."""
     return tuple(
         table if table.name else table.model_copy(update={"name": f"{type(table).__name__.lower()} {position}"})
         for position, table in enumerate(tables, start=1)
@@ -93,14 +93,14 @@ def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
 
 
 def _require_plate(plate: object, info: ValidationInfo) -> object:
-    """Require [plate] if [plates] is absent; invalid [plates] have an error of their own."""
+    """Refuse a model without [plate] and [plates]; if [plates] is invalid, only its own error is reported."""
     if plate is None and not info.data.get("plates", True):
         raise PydanticCustomError("missing", "missing")
     return plate
 
 
 def _for_toml(value: Any, place: str) -> Any:
-    """Convert paths to text and omit None: TOML can represent neither."""
+    """Convert file paths to text and omit keys with the value None: TOML can represent neither."""
     match value:
         case Mapping():
             items = ((key, item) for key, item in value.items() if item is not None)
@@ -116,7 +116,7 @@ def _for_toml(value: Any, place: str) -> Any:
 
 
 def acts(tables: Mapping[str, Any]) -> bool:
-    """Whether a model acts on the plate other than by [[load]]: by a moving load, preload, settlement or rotation."""
+    """Whether the plate has an action other than [[load]]: a moving load, preload, settlement or rotation."""
     supports = tables.get("support")
     values = (
         as_list((support if isinstance(support, Mapping) else vars(support)).get(key))
@@ -156,7 +156,7 @@ class Model(Table):
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
     material: Material = Field(
-        default=Material(), description="The plate's material; required unless stiffness describes the section."
+        default=Material(), description="The plate's material; required unless stiffness is given for all sections."
     )
     plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
         default_factory=lambda: FrozenMapping({}),
@@ -164,7 +164,7 @@ class Model(Table):
     )
     if TYPE_CHECKING:
         plate: AnyPlate
-    else:  # ``plate`` is None in a model of several plates; each model in ``parts`` has a plate.
+    else:  # In a model of several plates ``plate`` is None; the model of each entry of ``parts`` has a plate.
         plate: Annotated[AnyPlate | None, BeforeValidator(_require_plate)] = Field(
             default=None, validate_default=True, description="The plate's outline, thickness and finite element."
         )
@@ -174,12 +174,12 @@ class Model(Table):
     mesh: MeshOptions = Field(default=MeshOptions(), description="Mesh options.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
     contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
-        default=(), description="Contacts of a plate with a plate below."
+        default=(), description="Contacts between a plate and a plate below it."
     )
     load: tuple[Load, ...] = Field(description="The loads, at least one.")
     cases: Annotated[Mapping[Text, Case], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
         default_factory=lambda: FrozenMapping({}),
-        description="Load cases as actions, by name; for combinations by a design code.",
+        description="Load cases as actions, by name; needed for combinations by a design code.",
     )
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; default: one named "all", with factor 1 for every case.'
@@ -217,7 +217,7 @@ class Model(Table):
         return rest | {"load": ()} if acts(data) else rest
 
     def model_post_init(self, context: Any) -> None:
-        """Append the contacts to the supports, and mark the supports of [[tightening]] as bolts."""
+        """Append the contacts to the supports, and mark supports that [[tightening]] names as bolts."""
         bolts = {bolt_round.support for bolt_round in self.tightening}
         supports = self._without_contacts(self.support)
         marked = (support.as_bolt() if support.name in bolts else support for support in supports)
@@ -248,7 +248,7 @@ class Model(Table):
         ['[plate]', 'thickness = "0.2 + 0.01*x"', 'shape = "disc"', 'radius = 2.0']
         """
         text = tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
-        # Write each array without tables on one line; strings that tomli_w writes have no line breaks.
+        # Each array without tables is joined to one line; this cannot change strings, as they have no line breaks.
         text = re.sub(r"(?<!}),\n *\]", "]", text)
         return re.sub(r"(\[|, ?)\n +(?=[^ {])", lambda match: match[1].rstrip() + " " * (match[1] != "["), text)
 
@@ -260,7 +260,7 @@ class Model(Table):
         return copy
 
     def varied(self, **tables: object) -> Self:
-        """Copy the model with other tables as a variant of this input; it keeps the input file and the combinations."""
+        """Copy the model with other tables as a variant of its input; the variant keeps input file and combinations."""
         copy = self.model_copy(update=tables)
         copy.__dict__.update({"_original": self} | self._cached())
         if "combination" in tables:
@@ -270,7 +270,7 @@ class Model(Table):
 
     @property
     def original(self) -> Model:
-        """The model of the input file, of which this model may be a variant; see `varied`."""
+        """The model as read from the input, if this model is a variant of it (see `varied`); else this model."""
         original: Model = self.__dict__.get("_original", self)
         return original
 
@@ -281,18 +281,18 @@ class Model(Table):
         return name
 
     def _cached(self) -> dict[str, Any]:
-        """Entries of ``__dict__`` that are no fields: cached properties, the input file, the original model."""
+        """Entries of ``__dict__`` that are not keys of the input: cached properties, input file, original model."""
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
 
     def read_from(self, file: str, sha256: str) -> Self:
-        """Copy the model, with the name and the SHA-256 of its input file."""
+        """Copy the model; the copy knows the name and the SHA-256 of its input file."""
         copy = self.model_copy()
         copy.__dict__["_file"] = (file, sha256)
         return copy
 
     @cached_property
     def provenance(self) -> Provenance:
-        """Input file with its SHA-256, and the input as JSON; for a variant, those of the original model."""
+        """Name and SHA-256 of the input file, and the input as JSON; for a variant, those of its original model."""
         original = self.original
         return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
 
@@ -312,7 +312,7 @@ class Model(Table):
 
     @property
     def preload_cases(self) -> tuple[str, ...]:
-        """Names of the load cases of preloads, each once, in the order of the rounds."""
+        """Names of the load cases that multiply bolt forces, each once, in the order of the `rounds`."""
         return tuple(dict.fromkeys(each.case for each in self.rounds if each.case is not None))
 
     @property
@@ -326,9 +326,9 @@ class Model(Table):
         return (*preloaded, *self.tightening)
 
     def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
-        """Factors (t,) of the bolt forces of the t `rounds` in a combination; empty if all are 0.
+        """Factors (t,) of the bolt forces in the t rounds of `rounds`; empty if all are 0.
 
-        ``factors`` are the combination's factors of load cases.
+        ``factors`` are the factors of load cases in a combination.
         """
         of_rounds = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
         return of_rounds if any(of_rounds) else ()
@@ -343,8 +343,8 @@ class Model(Table):
     def divisions(self) -> tuple[int, int] | None:
         """Numbers of elements of a regular mesh; None for an unstructured mesh.
 
-        A mesh is regular if ``divisions`` is given, or if it can follow all borders of zones and all lines of supports
-        and loads, at which moments or shears jump.
+        A mesh is regular if `mesh.divisions` is given, or if sides of a regular mesh can follow all borders of zones
+        and lines of supports and loads, at which moments or shears jump.
         """
         regular = self.mesh.divisions is not None or follows_in_rows(self)
         return self.plate.divisions(self.mesh) if regular and not isinstance(self.plate, MeshPlate) else None
@@ -370,12 +370,12 @@ class Model(Table):
 
     @cached_property
     def refused(self) -> tuple[Complaint, ...]:
-        """Problems of [cases] and of combinations by a code, with their places; empty in a valid model."""
+        """Problems of [cases] and of combinations by a design code; empty in a valid model."""
         return tuple(self._case_complaints())
 
     @cached_property
     def expanded(self) -> tuple[tuple[Expanded, ...], ...]:
-        """Combinations of each table [[combination]]; names begin with the table's name if two tables share a rule."""
+        """Combinations of each table [[combination]]; see `products`."""
         if self.refused or sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
             return ((),) * len(self.combination)
         shared = Counter((table.generate, rule) for table in self.combination for rule in table.rule or ())
@@ -384,7 +384,7 @@ class Model(Table):
         return tuple(tuple(products(table, positions, self.cases, prefixed)) for table, prefixed in tables)
 
     def factors_of(self, case: str) -> Iterator[tuple[float, Place]]:
-        """Yield the factors of a load case in the tables [[combination]], each with its place in the input."""
+        """Yield the factors of a load case in the tables [[combination]], each with its path in the input."""
         for index, (table, every) in enumerate(zip(self.combination, self.expanded, strict=True)):
             generated = {(one.factors or {}).get(case, 0.0) for one in Combinations(every if table.rule else ())}
             for factor in sorted(table.factors_of(case) | generated):
@@ -392,7 +392,7 @@ class Model(Table):
 
     @cached_property
     def effective_combinations(self) -> Combinations:
-        """All combinations; generated combinations are made on access.
+        """All combinations; those of the key ``generate`` are made when accessed.
 
         Without [[combination]] the only combination is "all", with factor 1 for every case; with moving loads there is
         one for each position. Actions without a case, such as settlements, act in every combination.
@@ -404,7 +404,7 @@ class Model(Table):
 
     @cached_property
     def bars(self) -> Bars | None:
-        """Data of the reinforced section, for the required reinforcement; None without [reinforcement]."""
+        """Design data of the reinforced section, see `Reinforcement.section`; None without [reinforcement]."""
         units, own = self.units, self.reinforcement
         return None if own is None else own.section(units.length, units.force)
 
@@ -421,7 +421,7 @@ class Model(Table):
 
     @property
     def tabulated(self) -> bool:
-        """Whether combinations are solved as rows of a table, so that only some combinations have full results."""
+        """Whether combinations are rows of one table, and only some have full results; see `Output.combinations`."""
         option = self.output.combinations
         return option == "table" or (option == "auto" and len(self.effective_combinations) > MAX_FULL_RESULTS)
 
@@ -432,7 +432,7 @@ class Model(Table):
 
     @property
     def estimated(self) -> bool:
-        """Whether the command line estimates the mesh error (±) of every number."""
+        """Whether the command line estimates mesh errors (±); by default it does, unless a mesh is from a file."""
         plates = self.plates.values() or (self.plate,)
         return not any(isinstance(plate, MeshPlate) for plate in plates) if self.mesh.error is None else self.mesh.error
 
@@ -480,7 +480,7 @@ class Model(Table):
                 yield ("zone", index, "material"), why
 
     def _section_complaints(self) -> Iterator[Complaint]:
-        """Yield a problem for each section that needs moduli but has a material without moduli."""
+        """Yield a problem for each material without moduli that a solid section of the plate or a zone has."""
         if self.plate.stiffness is not None:
             yield from ((("plate", *path), message) for path, message in constant_thickness(self.plate.thickness))
         parts = (
@@ -614,7 +614,7 @@ class Model(Table):
                     yield place, f'found the factor {factor:g} of the preload "{case}"; it must not be negative.'
 
     def _name_complaints(self) -> Iterator[Complaint]:
-        """Yield a problem for generated names that occur twice, and for unknown names in ``output.fields``."""
+        """Yield a problem for combination names that are generated twice, or unknown in ``output.fields``."""
         if any(combination.generate for combination in self.combination):
             taken: dict[str, int] = {}
             for index, expanded in enumerate(self.expanded):
@@ -656,14 +656,14 @@ class Model(Table):
                 yield (*place, "nodes"), why
 
     def _located(self) -> Iterator[tuple[Place, Located]]:
-        """Yield each support, load and refinement of the mesh, with its path in the input."""
+        """Yield (path in the input, table) for each support, load and table of ``mesh.refine``."""
         yield from ((("support", index), support) for index, support in enumerate(self.support))
         yield from ((("load", index), load) for index, load in enumerate(self.load))
         yield from ((("mesh", "refine", index), refinement) for index, refinement in enumerate(self.mesh.refine))
 
 
 def follows_in_rows(model: Model) -> bool:
-    """Whether a regular mesh can follow all borders of zones and all lines of the model; always true for `q8r`."""
+    """Whether a regular mesh can follow all zones and lines; always true for `q8r`, which has no other meshes."""
     plate = model.plate
     if isinstance(plate, MeshPlate):
         return False
