@@ -56,7 +56,7 @@ _SYMBOLS_ACI = {"u1": "bo", "v_ed": "vu", "v_ed_face": "vu,0", "v_rd_c": "φ vc"
 _POWERS = {1: "", 2: "²", 4: "⁴"}
 _DIVISIONS = 20
 _STEP = 1.2
-"""Number of bisections for the distance of the outer perimeter, and ratio of the distances tried before."""
+"""Number of bisections for the distance of the outer perimeter, and ratio of successive distances tried before them."""
 _SIZE, _MARGIN = 430.0, 1.12
 """Size of a figure in CSS pixels, and its width relative to that of the outermost perimeter."""
 
@@ -116,7 +116,7 @@ class Punched:
 
 
 def punched(results: Results, estimates: Estimates | None) -> list[Punched]:
-    """Columns of a model in their governing combinations, which are solved now if they are only rows of a table."""
+    """Punched columns in their governing combinations, which are solved now if only their rows of the table exist."""
     layout, every = results.combined.layout, list[Punched]()
     columns = [
         [one for one in layout.catalogue if one.home == "punching" and one.owner == index]
