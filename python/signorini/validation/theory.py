@@ -77,9 +77,9 @@ def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
 
 
 class Levy:
-    """Lévy's series of a thin plate under q = 1 with simply supported sides x = 0, a and any sides y = ± b/2.
+    """Lévy's series of a thin plate under q = 1, simply supported at x = 0 and x = a.
 
-    Each side is "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), chapter 6.
+    The sides y = ± b/2 are "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), chapter 6.
     """
 
     def __init__(self, a: float, b: float, nu: float, lower: str, upper: str, terms: int = 80) -> None:
@@ -105,7 +105,7 @@ class Levy:
         return float(sine @ shape), float(mx), float(my)
 
     def _basis(self, y: float, derivative: int) -> np.ndarray:
-        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy (exponentials are 1 at a side) and 1."""
+        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy and 1; exponentials are 1 at one side."""
         result = []
         for sign in (1.0, -1.0):
             scaled = np.exp(sign * self._alpha * y - self._alpha * self._c)
@@ -163,7 +163,7 @@ class Ring:
 
 
 class Rings:
-    """Axisymmetric Reissner–Mindlin plate of rings; its edges are "free", "simple" or "clamped", or inside "centre".
+    """Axisymmetric Reissner–Mindlin plate of rings; edges: "free", "simple" or "clamped"; "centre" inside a disc.
 
     w = C₁r²/4 + C₂ ln r + C₃ + B(r²(ln r − 1)/4D − ln r/S) + q(r⁴/64D − r²/4S), with Q = −(B/r + qr/2);
     Timoshenko and Woinowsky-Krieger (1959), chapter 3, and the shear strain Q/S.
