@@ -52,7 +52,7 @@ class Pieces:
 
     @classmethod
     def of(cls, pieces: Sequence[tuple[complex, ...]]) -> Self:
-        """Make pieces from c, v, r, φ and θ of each; pieces without length are left out."""
+        """Make pieces from the parameters c, v, r, φ, θ of each z(t); pieces without length are left out."""
         centre, along, *arcs = np.array(pieces, np.complex128).T
         every = cls(centre, along, *(values.real for values in arcs))
         return every.pick(np.flatnonzero(every.lengths > 0.0))
@@ -192,7 +192,7 @@ class Column:
 
     @property
     def axis(self) -> complex:
-        """Direction of the longest side; 1 for a circle."""
+        """Direction of the longest side; the x direction, 1, for a circle."""
         ahead = np.roll(self.corners, -1) - self.corners
         longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j

@@ -277,7 +277,7 @@ def _superposition() -> Case:
         numbers,
         (2,),
         (
-            Number("apart", "largest difference from R¹ + R² [N]", 0.0, 1e-10, size=64.0),
+            Number("apart", "largest difference of a reaction from R¹ + R² [N]", 0.0, 1e-10, size=64.0),
             Number("sum", "sum of the reactions [N]", 64.0, 1e-10),
         ),
         direct=True,

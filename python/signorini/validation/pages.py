@@ -44,7 +44,7 @@ class Row:
 
 
 def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
-    """Yield every number on every mesh, except printed values that the program does not reproduce."""
+    """Yield every number on every mesh, without cases that have no mesh and printed values that are not reproduced."""
     for outcome in outcomes:
         for one in outcome.comparisons:
             if one.number.differs or outcome.case.direct:

@@ -121,9 +121,9 @@ def _footings() -> Iterator[Case]:
     corner = 3 / (8 * 0.2 * 0.2)
     both = _biaxial(0.15, 0.15)
     for name, e, peak, area, source in (
-        ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern p = P/A (1 + 6e/B)"),
-        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact over 3(B/2 − e), p = 8/3 P/A"),
-        ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern p = P/A (1 + 6eₓ/B + 6e_y/L)"),
+        ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern, largest p = P/A (1 + 6e/B)"),
+        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact on a length of 3(B/2 − e), largest p = 8/3 P/A"),
+        ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern, largest p = P/A (1 + 6eₓ/B + 6e_y/L)"),
         (
             "two-way",
             (0.15, 0.15),
@@ -172,8 +172,8 @@ def _discs() -> Iterator[Case]:
     c = brentq(lambda c: segment(c)[0] - 0.5, -0.99, 0.9)
     area = float(np.arccos(c) - c * sqrt(1 - c**2)) / pi
     for name, e, peak, part, source in (
-        ("kern", 0.125, 1.5, 1.0, "within the kern R/4, p = P/A (1 + 4e/R)"),
-        ("half", 0.5, segment(c)[1], area, "pressure on a segment; K. Pohl (1918) tabulates this problem"),
+        ("kern", 0.125, 1.5, 1.0, "within the kern R/4, largest p = P/A (1 + 4e/R)"),
+        ("half", 0.5, segment(c)[1], area, "pressure on a segment of the disc; K. Pohl (1918) tabulates this problem"),
     ):
         yield Case(
             f"disc-footing-{name}",

@@ -184,7 +184,7 @@ def _infinite() -> Iterator[Case]:
             given(lambda n, box: slab(n, box), box),
             (1, 2, 4),
             (Number("probe[1].deflection", f"w kℓ²/P {title}", value, tolerance, 1.0, 3e-2 * value),),
-            "Westergaard's formula is a fit to his series, that of Ioannides a fit to finite elements. The error of "
+            "Westergaard's formula is a fit to his series, Ioannides' formula a fit to finite elements. The error of "
             "both is taken as 3 %. The square has the area of the circle that the formulas are for.",
         )
 

@@ -56,17 +56,17 @@ class Navier:
 
 
 def uniform(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
+    """Sine coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(16 / np.pi**2 * (m % 2) * (n % 2) / (m * n))
 
 
 def hydrostatic(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
+    """Sine coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(8 / np.pi**2 * np.where(m % 2, 1.0, -1.0) * (n % 2) / (m * n))
 
 
 def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Coefficients of a force of 1 on the middle part u × v of a unit square."""
+    """Sine coefficients of a force of 1, spread over the middle part u × v of a unit square."""
 
     def coefficients(m: np.ndarray, n: np.ndarray) -> np.ndarray:
         across = np.sin(m * np.pi / 2) * np.sin(m * np.pi * u / 2) / (m * u)
@@ -152,7 +152,7 @@ def clamped(a: float, b: float, nu: float, x: float, y: float, terms: int = 12) 
 
 @dataclass(frozen=True)
 class Ring:
-    """A part of a circular plate: radii, D, shear stiffness S = κ G h, pressure, and line load at its inner radius."""
+    """Annulus of a circular plate: radii, D, shear stiffness S = κ G h, pressure, and line load at its inner radius."""
 
     inner: float
     outer: float
