@@ -15,7 +15,7 @@ from signorini.shapes.arrays import Floats
 PHI = 0.75
 """Strength reduction factor φ of shear, Table 21.2.1(b)."""
 WITHIN = 4.0
-"""Largest distance from the column of an opening that reduces bo, relative to the slab's thickness h, 22.6.4.3."""
+"""Largest distance between column and opening at which the opening reduces bo, over the slab thickness h, 22.6.4.3."""
 CLAUSES = {
     "u0": "ACI 318-19, 22.6.4.1 (outline of the column)",
     "u1": "ACI 318-19, 22.6.4.1 and 22.6.4.3 (bo)",
@@ -28,7 +28,7 @@ CLAUSES = {
     "uout": "ACI 318-19, 22.6.6.1 (φ 0.17 λs λ √f'c)",
 }
 ALPHA_S = (40.0, 30.0, 20.0)
-"""Factor αs of interior, edge and corner columns, that is by the number 0, 1 or 2 of free edges, 22.6.5.3."""
+"""Factor αs of interior, edge and corner columns, indexed by the number of free edges (0, 1, 2), 22.6.5.3."""
 _LARGEST_FYT = 420.0
 """Largest yield strength fyt of shear reinforcement in MPa, 20.2.2.4(a)."""
 
@@ -44,13 +44,13 @@ def size_factor(d: float) -> float:
 
 
 def concrete_resistance(fc: float, d: float, bo: float, ratio: float, alpha_s: float) -> float:
-    """Stress vc of normalweight concrete, the least of Table 22.6.5.2; ``ratio``: column's long over short side."""
+    """Shear strength vc of normalweight concrete, least of Table 22.6.5.2; ``ratio``: column's long over short side."""
     parts = 0.33, 0.17 * (1.0 + 2.0 / ratio), 0.083 * (2.0 + alpha_s * d / bo)
     return min(parts) * size_factor(d) * root_of(fc)
 
 
 def shear_part(b1: float, b2: float) -> float:
-    """Part γv of a moment transferred by shear, 1 − 1/(1 + 2/3 √(b1/b2)), 8.4.4.2.2; b1 is along the eccentricity."""
+    """Fraction γv of a moment carried by shear, 8.4.4.2.2; critical section b1 along the eccentricity, b2 across."""
     return 1.0 - 1.0 / (1.0 + 2.0 / 3.0 * float(np.sqrt(b1 / b2)))
 
 
@@ -58,7 +58,7 @@ def shear_part(b1: float, b2: float) -> float:
 class Punching:
     """Two-way shear of one column; ``plan`` is in mm, ``fck`` is f'c and ``fyk`` is fyt in MPa.
 
-    ``given`` is a factor of the mean stress that replaces the effect of the unbalanced moment, or None.
+    If ``given`` is not None, vu is ``given`` times the mean stress, whatever the moments are.
     """
 
     plan: Plan
@@ -75,7 +75,7 @@ class Punching:
 
     @cached_property
     def perimeters(self) -> Sequence[Perimeter]:
-        """Critical sections (p,) at d/2, with square corners around a rectangular column, 22.6.4.1."""
+        """Critical sections (p,) at d/2 from the column, with square corners at a rectangular column, 22.6.4.1."""
         if not (every := self.plan.perimeters(0.5 * self.depth, square=True)):
             raise InputError("Free edges leave no critical section around the column. Check one-way shear there.")
         return every
@@ -94,7 +94,7 @@ class Punching:
         return (*bo.normals, bo.pieces.principal if len(column.corners) == 1 else column.axis)[0]
 
     def stress(self, bo: Perimeter, force: Floats, moment: Positions) -> Floats:
-        """Stress vu (k,), the largest |V/(bo d) ± γv M c/Jc| about both axes of a critical section, R8.4.4.2.3."""
+        """Largest stress vu (k,) = |V/(bo d) ± Σ γv M c/Jc| on a critical section, summed over two axes, R8.4.4.2.3."""
         pieces, column = bo.pieces, self.plan.column
         mean, centroid = force / (pieces.length * self.depth), pieces.centroid
         if self.given is not None:
@@ -109,10 +109,10 @@ class Punching:
         return np.asarray(np.maximum(pieces.highest(gradient) + middle, pieces.highest(-gradient) - middle))
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside critical sections (k, p).
+        """Numbers (k,) of the check from column forces (k,), moments (k,) and forces inside p critical sections (k, p).
 
-        They are those of the section with the largest vu/(φ vc), which is the utilisation without shear reinforcement.
-        αs is 40, 30 at an edge, 20 at a corner, 22.6.5.3.
+        They belong to the critical section with the largest vu/(φ vc), the utilisation without shear reinforcement. αs
+        is 40 at interior, 30 at edge and 20 at corner columns, 22.6.5.3.
         """
         column, depth, net = self.plan.column, self.depth, force[:, None] - inside
         sides = sorted(column.size(axis) for axis in (column.axis, 1j * column.axis))

@@ -48,9 +48,9 @@ def section(name: str, text: str) -> str:
 
 
 def rules(name: str) -> Iterator[Rule]:
-    """Yield the rules of "LRFD" or "ASD"; the roles of actions are the symbols `LOADS`.
+    """Yield the rules of "LRFD" or "ASD"; the roles of actions are the symbols in `LOADS`.
 
-    A principal load acts in each combination of its rule.
+    Each combination of a rule contains one of the rule's principal loads in full.
     """
     for number, principal, text in RULES[name]:
         terms = re.findall(r"(-?) ?([\d.]+)([A-Z][a-z]?)", text)

@@ -1,4 +1,4 @@
-"""Combinations of actions: a rule of a code gives factors by role, and each choice of acting load cases is a row."""
+"""Combinations of actions: a design code's rule gives factors by role; each choice of load cases is a combination."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -39,11 +39,11 @@ class Action:
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule of a code: factors by role, in the order of the terms in names.
+    """A combination rule of a design code: factors by role, in the order in which combinations list their terms.
 
-    An action whose role is missing does not act. If ``leading`` has roles, one action of these roles leads, and has the
-    factor given there. One role of each tuple of ``one_of`` acts. Without an action of the role ``needs`` the rule
-    gives no combinations.
+    An action whose role is missing does not act. If ``leading`` has roles, one action of these roles leads, and has its
+    factor from ``leading``. Only one role of each tuple of ``one_of`` acts. Without an action of the role ``needs``,
+    if given, the rule has no combinations.
     """
 
     label: str
@@ -53,7 +53,7 @@ class Rule:
     needs: str = ""
 
     def choices(self, actions: Sequence[Action]) -> Iterator[list[tuple[Terms, ...]]]:
-        """Yield, for each leading action and each choice of roles, the choices of terms of every acting action."""
+        """Yield, for each leading action and each choice from ``one_of``, the possible terms of every acting action."""
         if self.needs and all(action.role != self.needs for action in actions):
             return
         roles = list(self.factors)
@@ -104,6 +104,6 @@ def summed(terms: Sequence[str]) -> str:
 
 
 def _terms(value: float, cases: Mapping[str, tuple[float, ...]], of: int) -> Terms:
-    """Terms of load cases; factors have 12 digits, so that 1.5 · 0.6 is 0.9."""
+    """Nonzero terms ``value`` · ψ by load case; factors are rounded to 12 digits, so that 1.5 · 0.6 is 0.9."""
     factors = ((case, float(f"{value * values[of]:.12g}")) for case, values in cases.items())
     return tuple((case, factor) for case, factor in factors if factor)

@@ -22,10 +22,10 @@ PSI: Mapping[str, tuple[float, float, float]] = {
     "wind": (0.6, 0.2, 0.0),
     "temperature": (0.6, 0.5, 0.0),
 }
-"""(ψ0, ψ1, ψ2) by category, Table A1.1. Snow is low up to 1000 m above sea level, and high above or in the north."""
+"""(ψ0, ψ1, ψ2) by category, Table A1.1; "snow high" is for sites above 1000 m and for the Nordic countries."""
 
 Gamma = Mapping[str, tuple[float, ...]]
-"""Partial factors by kind of action: unfavourable and, if another is given, favourable."""
+"""Partial factors by kind of action: unfavourable and, if it differs, favourable."""
 
 _STR: Gamma = {"permanent": (1.35, 1.0), "variable": (1.5, 0.0), "preload": (1.0,)}
 _EQU: Gamma = {"permanent": (1.1, 0.9), "variable": (1.5, 0.0), "preload": (1.0,)}

@@ -19,13 +19,13 @@ YIELD_STRENGTHS = (400.0, 600.0)
 GAMMA_C, GAMMA_S, ALPHA_CC = 1.5, 1.15, 1.0
 """Partial factors of concrete and steel, table 2.1N, and coefficient αcc, 3.1.6 (1)."""
 _SAME = 1e-9
-"""Relative tolerance at which an area of reinforcement counts as the minimum reinforcement."""
+"""Relative tolerance within which an area of reinforcement counts as equal to the minimum reinforcement."""
 MOST = 0.04
 """Largest area of bars relative to the concrete section, As / Ac, 9.2.1.1 (3)."""
 
 
 class Bars(NamedTuple):
-    """Section of reinforced concrete in consistent units, as the core reads it."""
+    """Reinforced concrete section in the units of the model, as the Rust core reads it."""
 
     bottom_x: float
     bottom_y: float
@@ -91,7 +91,7 @@ def stress_block(fck: float) -> tuple[float, float]:
 
 
 def largest_depth(fck: float) -> float:
-    """Largest x/d for elastic moments without redistribution, δ = 1 in 5.5 (4): (1 − k1)/k2 or (1 − k3)/k4.
+    """Largest x/d without redistribution of moments, δ = 1 in 5.5 (4): (1 − k1)/k2 or, above C50, (1 − k3)/k4.
 
     Examples
     --------

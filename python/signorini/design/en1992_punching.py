@@ -1,7 +1,7 @@
 """Punching by EN 1992-1-1:2004, 6.4, with corrigenda and the amendment A1:2014. Units: MPa, mm, N.
 
 Recommended values: γC = 1.5, αcc = 1, CRd,c = 0.18/γC, and vRd,max = 0.4 ν fcd of A1:2014 in place of 0.5 ν fcd of the
-edition of 2004. σcp = 0.
+edition of 2004. The normal stress σcp is taken as 0.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from signorini.shapes.arrays import Bools, Floats
 GAMMA_C, GAMMA_S = 1.5, 1.15
 """Partial factors of concrete and steel, 2.4.2.4."""
 WITHIN = 6.0
-"""Largest distance of an opening that reduces the perimeter, relative to d, 6.4.2(3)."""
+"""Largest distance between column and opening at which the opening reduces the perimeter, over d, 6.4.2(3)."""
 CLAUSES = {
     "u0": "EN 1992-1-1, 6.4.5(3)",
     "u1": "EN 1992-1-1, 6.4.2",
@@ -37,15 +37,15 @@ ON_RAFTS = {
     "v_ed": "EN 1992-1-1, 6.4.4(2), Eq. (6.51)",
     "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
 }
-"""Clauses of columns on foundations, in place of those in `CLAUSES`."""
+"""Clauses for columns on foundations; they replace the clauses of the same numbers in `CLAUSES`."""
 MOST_WITH_LINKS = 1.5
-"""Largest vRd,cs relative to vRd,c: kmax of 6.4.5(1), A1:2014."""
+"""Largest resistance with links vRd,cs, relative to vRd,c without links: kmax of 6.4.5(1), A1:2014."""
 _DISTANCES = (np.arange(1, 17) / 8.0).tolist()
-"""Distances of perimeters around a column on a foundation, relative to d: 6.4.4(2), a ≤ 2d."""
+"""Distances a ≤ 2d of the perimeters checked around a column on a foundation, relative to d, 6.4.4(2)."""
 
 
 def moment_part(ratio: float) -> float:
-    """Factor k of Table 6.1 for c1/c2, linear between its values."""
+    """Factor k of Table 6.1 for ``ratio`` = c1/c2, interpolated linearly."""
     return float(np.interp(ratio, (0.5, 1.0, 2.0, 3.0), (0.45, 0.60, 0.70, 0.80)))
 
 
@@ -68,23 +68,23 @@ def reinforcement(v_ed: Floats, v_rd_c: Floats | float, u1: Floats | float, d: f
 
 
 class _Shapes(NamedTuple):
-    """Control perimeters (p,): length, distance, axis (normal of the edge, or the column's side), and numbers for β."""
+    """Dimensions of control perimeters (p,) for β; ``axis`` is normal to the free edge or along the column's side."""
 
     length: Floats
     distance: Floats
     axis: Positions
-    across: Floats  # k u1/W1 of an eccentricity along the axis
-    along: Floats  # k u1/W1 of an eccentricity normal to the axis
-    round: Bools  # whether both eccentricities are components of one vector
+    across: Floats  # k u1/W1 for an eccentricity along ``axis``
+    along: Floats  # k u1/W1 for an eccentricity normal to ``axis``
+    round: Bools  # round column without free edge: both eccentricities add as a vector
     uniform: Floats  # u1/u1*
-    beside: Floats  # k u1/W1 of Eq. (6.44), 0 at a corner
-    normals: Positions  # (p, 2): outward normals of near free edges, 0 if absent
-    outward: Floats  # (p, 2): k u1/W1 of an eccentricity towards each near edge
+    beside: Floats  # k u1/W1 of Eq. (6.44) for an eccentricity along the free edge, 0 at a corner
+    normals: Positions  # (p, 2): outward normals of free edges at most d away, 0 if absent
+    outward: Floats  # (p, 2): k u1/W1 for an eccentricity towards each of ``normals``
 
 
 @dataclass(frozen=True, eq=False)
 class Punching:
-    """Punching of one column: a slab on it or, ``on_foundation``, a foundation under it.
+    """Punching check of one column: of a slab on it or, if ``on_foundation``, of a foundation under it.
 
     ``plan`` is in mm, ``fck`` and ``fyk`` in MPa. ``given`` is β, or None to compute it from moments.
     """
@@ -111,9 +111,9 @@ class Punching:
     def perimeters(self) -> Sequence[Perimeter]:
         """Control perimeters (p,): those at 2d, 6.4.2(1); on a foundation those at several a ≤ 2d, 6.4.4(2).
 
-        A perimeter to a free edge encloses more load, or more of the pressure under a foundation. So all valid
-        perimeters are checked. On a pad that is too small for a perimeter, only the stress at the column's face is
-        checked.
+        A perimeter that ends at a free edge is shorter than a closed one, but encloses more load or soil pressure, so
+        all valid perimeters are checked. On a pad that is too small for a perimeter, only the stress at the column's
+        face is checked.
         """
         distances = [ratio * self.depth for ratio in (_DISTANCES if self.on_foundation else [2.0])]
         every = [found for distance in distances for found in self.plan.perimeters(distance)]
@@ -137,11 +137,11 @@ class Punching:
         return min(lengths)
 
     def mean_times_beta(self, force: Floats, moment: Positions) -> Floats:
-        """β |V| (k, p) by 6.4.3(3)-(5) for net forces (k, p) and moments (k,): force times eccentricity of the column.
+        """β |V| (k, p) by 6.4.3(3)-(5) for net forces V (k, p) and moments (k,) = column force times eccentricity.
 
-        Contributions of both axes are added; those of a circular column, as vectors. At a free edge |V| u1/u1* of Eq.
-        (6.44) and (6.46) is for an eccentricity inward. For an eccentricity outward the part of Eq. (6.39) is taken if
-        it is larger. The part of an eccentricity along the edge is added in both cases.
+        The terms of both axes are added; at a round column as components of a vector. At a free edge |V| u1/u1* of Eq.
+        (6.44) and (6.46) is for an eccentricity away from the edge. For an eccentricity towards the edge β |V| of Eq.
+        (6.39) is taken if it is larger. The term of an eccentricity along the edge is added in both cases.
         """
         size = np.abs(force)
         if self.given is not None:
@@ -179,9 +179,9 @@ class Punching:
         return _Shapes(*map(np.array, zip(*every, strict=True)))
 
     def _edges(self, perimeter: Perimeter) -> tuple[Edge, ...]:
-        """The free edge or edges of the corner that the column stands at: at most d away, 6.4.2(5).
+        """Free edges of a perimeter at most d from the column, which is then an edge or corner column, 6.4.2(5).
 
-        On a pad that ends within d on both sides, the column does not stand at an edge.
+        An edge does not count if the opposite edge is at most d away, too, as on a small pad.
         """
         near = (edge for edge in perimeter.edges if edge.gap <= self.depth)
         return tuple(edge for edge in near if self.plan.gap(-edge.normal) > self.depth)
@@ -192,15 +192,15 @@ class Punching:
             low, high = self.plan.column.extent(-normal)
             pieces = pieces.beyond(-normal, high - min(1.5 * self.depth, 0.5 * (high - low)))
         if not pieces.length > 0.0:
-            raise InputError("Openings beside the column leave no length of u1*. Move the column or the openings.")
+            raise InputError("Openings beside the column leave no perimeter u1*. Move the column or the openings.")
         return pieces
 
     def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) of the check for column forces (k,), moments (k,) and forces inside the perimeters (k, p).
+        """Numbers (k,) of the check from column forces (k,), moments (k,) and forces inside the p perimeters (k, p).
 
-        They are those of the perimeter with the largest vEd/vRd. The utilisation is without shear reinforcement: the
-        larger of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are required, uout
-        is that of vRd,c by Eq. (6.47); on a foundation the pressure inside uout is not taken off.
+        They belong to the perimeter with the largest vEd/vRd,c. The utilisation is without shear reinforcement: the
+        larger of vEd/vRd,c and of vEd/vRd,max at u0. With links vEd may reach 1.5 vRd,c. Where links are required, vEd
+        at uout is vRd,c of Eq. (6.47); on a foundation the soil pressure inside uout is not subtracted from the force.
         """
         own = concrete_resistance(self.fck, self.depth, float(np.sqrt(self.rho[0] * self.rho[1])))
         of, net, most = self.shapes, force[:, None] - inside, largest_resistance(self.fck)

@@ -29,14 +29,14 @@ NUMBERS = (
 _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
-"""Largest angle in radians between the normals of two free edges that count as one edge; also of opposite edges that
-count as parallel."""
+"""Largest angle [rad] between normals of free edges that count as one edge, of opposite edges that count as parallel,
+and of parts of a perimeter that counts as straight."""
 _MOST_EDGES = 2
-"""Largest number of free edges at which a perimeter ends; with three it is a straight line, as for one-way shear."""
+"""Largest number of free edges at which a perimeter ends; with three it would be a straight line: one-way shear."""
 _FAR = 4.0
-"""Length by which a perimeter is continued towards a free edge before it is cut there, relative to the closed one."""
+"""Length by which a perimeter is continued towards a free edge before it is cut there, over the closed perimeter's."""
 _SLIGHTLY = 1e-6
-"""Relative length by which a line of sight starts away from the column's centre and ends beyond the perimeter."""
+"""Margin by which lines of sight start off the column's centre and end beyond the perimeter, over their length."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -52,7 +52,7 @@ class Pieces:
 
     @classmethod
     def of(cls, pieces: Sequence[tuple[complex, ...]]) -> Self:
-        """Make pieces from c, v, r, φ and θ of each; pieces without length are left out."""
+        """Make pieces from the parameters c, v, r, φ, θ of each z(t); pieces without length are left out."""
         centre, along, *arcs = np.array(pieces, np.complex128).T
         every = cls(centre, along, *(values.real for values in arcs))
         return every.pick(np.flatnonzero(every.lengths > 0.0))
@@ -62,7 +62,7 @@ class Pieces:
         return type(self)(*(getattr(self, key.name)[which] for key in fields(self)))
 
     def at(self, t: Floats) -> Positions:
-        """Positions (m, k) at parameters (k,)."""
+        """Positions z(t) (m, k) on all pieces at parameters t (k,)."""
         angle = self.begin[:, None] + self.turn[:, None] * t
         arc = self.radius[:, None] * np.exp(1j * angle)
         return np.asarray(self.centre[:, None] + self.along[:, None] * t + arc)
@@ -84,7 +84,7 @@ class Pieces:
 
     @property
     def gauss(self) -> tuple[Positions, Floats]:
-        """Gauss points (m, 12), and their weights, whose sum is the length."""
+        """Gauss points (m, 12) on the pieces, and their weights, whose sum is the total length."""
         return self.at(0.5 + 0.5 * _POINTS), 0.5 * self.lengths[:, None] * _WEIGHTS
 
     @cached_property
@@ -109,7 +109,7 @@ class Pieces:
         return type(self)(centre, own.along * width, own.radius, begin, own.turn * width)
 
     def beyond(self, direction: complex, level: float) -> Self:
-        """Parts whose coordinate along ``direction`` is at least ``level``."""
+        """Parts of the pieces whose coordinate along ``direction`` is at least ``level``."""
         parts = self.cut(direction, level)
         return parts.pick(_along(parts.middles, direction) >= level)
 
@@ -124,7 +124,7 @@ class Pieces:
         return self.of([tuple(row) for pair in zip(rows, lines, strict=True) for row in pair])
 
     def outside(self, centre: complex, first: complex, width: float) -> Self:
-        """Parts outside the sector around a centre from direction ``first`` over an angle ``width``."""
+        """Parts of the pieces outside a sector with apex ``centre``, counter-clockwise from ``first`` by ``width``."""
         parts = self
         for ray in (1j * first, 1j * first * np.exp(1j * width)):
             parts = parts.cut(ray, float(_along(centre, ray)))
@@ -145,13 +145,13 @@ class Pieces:
 
     @property
     def principal(self) -> complex:
-        """Direction of the largest ∫ e² dl of distances e from the centroid."""
+        """Direction along which ∫ e² dl is largest, with coordinates e relative to the centroid."""
         nodes, weights = self.gauss
         return complex(np.exp(0.5j * np.angle((weights * (nodes - self.centroid) ** 2).sum())))
 
     @kept
     def inertia(self, direction: complex, depth: float) -> float:
-        """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with e as in W, tangent t, ``direction`` n."""
+        """J = ∫ (d e² + d³ (t·n)²/12) dl: depth d, tangent t, ``direction`` n, distance e along n from the centroid."""
         angle = self.begin[:, None] + self.turn[:, None] * (0.5 + 0.5 * _POINTS)
         lines = self.along / np.where(self.along == 0.0, 1.0, np.abs(self.along))
         tangent = np.where(self.radius[:, None] > 0.0, 1j * np.exp(1j * angle), lines[:, None])
@@ -161,7 +161,7 @@ class Pieces:
         return max(float(size), _SAME * depth * self.length**3)
 
     def highest(self, gradients: Positions) -> Floats:
-        """Largest values (k,) of the linear functions Re(conj(g) z) on the pieces."""
+        """Largest values (k,) on the pieces of the linear functions Re(conj(g) z) with ``gradients`` g (k,)."""
         ends, arcs = self.at(np.array([0.0, 1.0])).ravel(), self.pick(self.radius > 0.0)
         met = (np.angle(gradients)[:, None] - arcs.begin) % (2.0 * np.pi) <= arcs.turn
         top = _along(arcs.centre, gradients[:, None]) + arcs.radius * np.abs(gradients)[:, None]
@@ -171,7 +171,7 @@ class Pieces:
 
 @dataclass(frozen=True)
 class Column:
-    """A loaded area: a convex polygon, counter-clockwise, and all points within ``radius``; a circle has one corner."""
+    """Section of a column: points within ``radius`` of a convex counter-clockwise polygon; a circle has one corner."""
 
     corners: tuple[complex, ...]
     radius: float = 0.0
@@ -192,7 +192,7 @@ class Column:
 
     @property
     def axis(self) -> complex:
-        """Direction of the longest side; 1 for a circle."""
+        """Direction of the longest side; the x direction, 1, for a circle."""
         ahead = np.roll(self.corners, -1) - self.corners
         longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
         return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
@@ -213,7 +213,7 @@ class Column:
         return high - low
 
     def extended(self, normals: Sequence[complex], by: float) -> Column:
-        """The convex hull of the area and of its copies, each moved by a length along one of the directions."""
+        """The convex hull of the area and of its copies, one moved by the length ``by`` along each of ``normals``."""
         moved = [corner + by * normal for normal in (0.0, *normals) for corner in self.corners]
         return Column.hull(moved, self.radius) if normals else self
 
@@ -270,7 +270,7 @@ class Plan:
 
     @classmethod
     def of(cls, column: Column, rings: Sequence[Floats], within: float, widened: bool = False) -> Self:
-        """Find the openings at most ``within`` from the column; ``widened`` as in Figure 6.14 of EN 1992-1-1.
+        """Plan with the openings at most ``within`` from the column; ``widened``: widths by Figure 6.14 of EN 1992-1-1.
 
         ``rings`` (k, 2) are the outlines of the slab and of its openings.
         """
@@ -282,7 +282,7 @@ class Plan:
         return cls(column, slab, near, widened)
 
     def perimeters(self, distance: float, square: bool = False) -> list[Perimeter]:
-        """All valid perimeters at a distance: closed, or to one or two free edges, also opposite ones.
+        """All valid perimeters at a distance from the column: closed ones, and those that end at one or two free edges.
 
         A perimeter is valid if no free edge cuts it except those at which it ends.
         """
@@ -306,7 +306,7 @@ class Plan:
         return every
 
     def perimeter(self, distance: float, edges: tuple[Edge, ...], square: bool = False) -> Perimeter:
-        """The perimeter at a distance to some free edges: its parts that are visible from the column's centre."""
+        """Control perimeter at a distance that ends at ``edges``, without parts hidden from the column's centre."""
         normals = [edge.normal for edge in edges]
         towards, reach = normals, _FAR * self.column.offset(distance, square).length
         if len(normals) == _MOST_EDGES and abs(np.angle(-normals[0] / normals[1])) <= _ALIKE:
@@ -321,18 +321,18 @@ class Plan:
 
     @kept
     def face(self, edges: tuple[Edge, ...]) -> Pieces:
-        """The column's outline; at free edges it continues straight to the level of the column's outermost point."""
+        """Outline u0 of the column; at ``edges`` it ends in straight lines at the level of the outermost point."""
         pieces = self.perimeter(0.0, edges).pieces
         for normal, _ in edges:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
         return self._unshaded(pieces)
 
     def gap(self, normal: complex) -> float:
-        """Distance of the column from the free edge with an outward normal; infinite without such an edge."""
+        """Distance of the column from the free edge with the outward normal ``normal``; infinite if there is none."""
         return min((gap for gap, edge, *_ in self._edges if abs(np.angle(edge / normal)) < _SAME), default=np.inf)
 
     def _visible(self, pieces: Pieces) -> Pieces:
-        """Parts in the slab that are visible from the column's centre, past holes and re-entrant outlines."""
+        """Parts of a perimeter in the slab that holes and re-entrant corners do not hide from the column's centre."""
         centre, parts = self.column.centre, pieces
         farthest = np.abs(pieces.at(np.linspace(0.0, 1.0, 5)) - centre).max(initial=0.0)
         reach = shapely.Point(centre.real, centre.imag).buffer(float(farthest + pieces.lengths.max(initial=0.0)))
@@ -366,12 +366,12 @@ class Plan:
         return False
 
     def _is_outer(self, begin: complex, normal: complex) -> bool:
-        """Whether no part of the slab lies beyond the line through a point with an outward normal."""
+        """Whether the whole slab lies on the inner side of the line through ``begin`` with an outward normal."""
         corners = np.asarray(shapely.get_coordinates(self.slab.exterior) @ [1.0, 1j] - begin, np.complex128)
         return bool((_along(corners, normal) <= _SLIGHTLY * np.abs(corners).max()).all())
 
     def _unshaded(self, pieces: Pieces) -> Pieces:
-        """Parts outside the sectors between tangents from the column's centre to openings."""
+        """Parts of a perimeter outside the sectors between the tangents from the column's centre to each opening."""
         for opening in self.openings:
             first, _, width = self._tangents(opening)
             pieces = pieces.outside(self.column.centre, first, width)
@@ -428,6 +428,6 @@ def _along(z: Positions | complex, direction: Positions | complex) -> Floats:
 
 
 def _sides(polygon: shapely.Polygon) -> list[tuple[complex, complex]]:
-    """Sides of all rings of a polygon: begin and end."""
+    """Begin and end of every side of a polygon: of its outline and its holes."""
     rings = [shapely.get_coordinates(ring) @ [1.0, 1j] for ring in (polygon.exterior, *polygon.interiors)]
     return [(a, b) for ring in rings for a, b in zip(ring.tolist(), ring[1:].tolist(), strict=False) if a != b]

@@ -14,11 +14,11 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
 
 _MOST = 65_000
-"""Largest integer by which a finite value is stored in 16 bits."""
+"""Largest 16-bit code of a finite value; the margin below `_MISSING` covers rounding."""
 _MISSING = 65_535
-"""Integer by which a missing value (NaN) is stored in 16 bits."""
+"""16-bit code of a missing value (NaN)."""
 _LEVEL = 6
-"""Level of compression: level 9 takes seven times as long for 1 % fewer bytes."""
+"""Compression level of zlib: level 9 takes seven times as long and saves only 1 % of the bytes."""
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 """Corners of an element at the ends of each side, in the order of its midside nodes."""
 
@@ -27,7 +27,7 @@ _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 class Blobs:
     """Deflated arrays up to ``room`` bytes of base64; ``places`` are their offsets and lengths in ``content``.
 
-    Each array begins at a multiple of three bytes, so that base64 can be sliced. Differences are stored as zigzag
+    Each array begins at a multiple of three bytes, so that base64 can be sliced. Integers are stored as zigzag
     codes, low bytes before high bytes, which halves the size of the deflated array. Equal arrays are stored once.
     """
 
@@ -37,7 +37,7 @@ class Blobs:
     _known: dict[bytes, int] = field(default_factory=dict)
 
     def add(self, differences: Ints, wide: bool = False) -> int | None:
-        """Store differences as integers of 16 or 32 bits; return the number of the blob, None if there is no room."""
+        """Store an array of differences with 16 or 32 bits each; return its number, None without room for it."""
         bits, whole = (32, "<i4") if wide else (16, "<i2")
         signed = ((differences + (1 << bits - 1)) & ((1 << bits) - 1)) - (1 << bits - 1)
         codes = ((signed << 1) ^ (signed >> bits - 1)).astype(whole)
@@ -117,7 +117,7 @@ class Grid:
 def decimal_codes(values: Floats, largest: float) -> tuple[Ints, int, int]:
     """Codes (k,), first integer i₀ and power p with values ≈ (i₀ + code) · 10ᵖ, each correctly rounded.
 
-    Values within rounding of zero, relative to the ``largest`` of their kind, are 0.
+    Values within rounding of zero, relative to ``largest``, the largest magnitude of their kind, are 0.
 
     Examples
     --------

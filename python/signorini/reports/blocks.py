@@ -84,7 +84,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Label:
-    """A text at a place x, y of a drawing; ``kind`` is its class in the style sheet."""
+    """A text at the position x, y of a drawing; ``kind`` is its class in the style sheet."""
 
     x: float
     y: float
@@ -94,7 +94,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawing as SVG with a caption: size, paths with their kinds, labels; ``legend`` has kinds and texts.
+    """An SVG drawing with a caption: size, paths with their CSS classes, labels; ``legend``: CSS classes and texts.
 
     A diagram has ``data``: the values that are shown at the pointer.
     """
@@ -128,7 +128,7 @@ class Map:
 
     @property
     def place(self) -> str:
-        """Comment that marks the place of the map in a page; names in a page are escaped and cannot contain it."""
+        """HTML comment that marks the place of the map in a page; texts in a page are escaped and cannot contain it."""
         return f"<!-- {self.name} -->"
 
 
@@ -183,7 +183,7 @@ class Writer:
         return str(_catalogue()["texts"][key][self.language]).format(**values)
 
     def translated(self, words: str) -> str:
-        """Translate words of the registry of quantities; words that are not in the catalogue stay English."""
+        """Translate the description of a quantity; words that are not in the catalogue texts.toml stay English."""
         return words if self.language == "en" else str(_catalogue()[self.language].get(words, words))
 
     def label(self, quantity: Quantity) -> str:
@@ -196,7 +196,7 @@ class Writer:
         return shown_in(quantity, self.units)[1]
 
     def value(self, quantity: Quantity, value: object, width: object = ..., size: float = 0.0) -> Cell:
-        """Cell of a number of a quantity, written in the unit of `unit_of`."""
+        """Cell with the value of a quantity, in the unit of `unit_of`."""
         return self.number(value, width, size, shown_in(quantity, self.units)[0])
 
     def titled(self, key: str, kind: str) -> str:
@@ -216,13 +216,13 @@ class Writer:
         return Cell(estimated(scale * value, None if width is None else scale * width, scale * size), value)
 
     def place(self, at: object) -> Cell:
-        """Cell of a place [x, y]."""
+        """Cell with the coordinates [x, y] of a place."""
         if not isinstance(at, list | tuple):
             return Cell("" if at is None else str(at))
         return Cell(f"[{', '.join(f'{value:.5g}' for value in at)}]")
 
     def facts(self, caption: str, facts: Iterable[tuple[str, str]]) -> Table:
-        """Table of names and values."""
+        """Table of two columns, names and values; names without value are left out."""
         rows = [(Cell(name), Cell(value)) for name, value in facts if value]
         return Table(caption, [self("what"), self("value")], rows)
 
@@ -232,7 +232,7 @@ class Writer:
 
 
 def found(tree: Any, *keys: str | int) -> Any:
-    """Value below keys and indices of results.json; None if one of them is missing."""
+    """Value at a path of keys and indices in ``tree``, a part of results.json; None if the path is missing."""
     for key in keys:
         if isinstance(tree, Mapping):
             tree = tree.get(key)

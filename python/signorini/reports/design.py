@@ -24,7 +24,7 @@ from signorini.results.result import Result
 from signorini.singularities.singularity import away_from
 
 _EQUAL = 1e-9
-"""Largest difference of two areas of reinforcement that count as equal, relative to the areas."""
+"""Relative tolerance for equal areas of reinforcement."""
 _GAMMAS = {"permanent": "γG", "variable": "γQ", "preload": "γP", "accidental": "γA", "seismic": "γAE"}
 _EVER_PRESENT = ("D", "Ev", "P")
 """Symbols of ASCE 7 for loads that act in every combination; loads with other symbols are variable."""
@@ -75,7 +75,7 @@ def strengths(of: Contents) -> Iterator[Block]:
 
 
 def _punched(of: Contents) -> dict[int, Check]:
-    """Check of one column of each table [[punching]], by the table's index; it has the strengths in MPa."""
+    """Check of one column of each input table [[punching]], by the table's index; it has the strengths in MPa."""
     return {one.column.table: one.check for one in of.results.discretisation.columns.columns}
 
 
@@ -86,7 +86,7 @@ def _megapascals(of: Contents) -> float:
 
 
 def factors(of: Contents) -> Iterator[Block]:
-    """Yield the rules that generate combinations, with their factors; the load cases as actions; load patterns."""
+    """Yield tables of the rules that generate combinations and of load cases as actions; texts on load patterns."""
     write, model = of.write, of.results.model.original
     rules, symbols = list[Sequence[Cell]](), list[Sequence[Cell]]()
     tables = [one for one in model.combination if one.generate in ("en1990", "asce7")]
@@ -168,11 +168,11 @@ class Layer(NamedTuple):
 
 
 def _largest(result: Result, name: str) -> Layer | None:
-    """Largest area outside singular places in one combination; among equal areas, at the largest design moment."""
+    """Largest required area in one combination outside singular places; of equal areas, that at the largest moment."""
     layers = list[Layer]()
     for member in result.members.values():
         nodes, bars = member.stress_nodes, member.model.bars
-        assert bars is not None  # the input has [reinforcement]
+        assert bars is not None  # callers require [reinforcement] in the input
         area, design = member.fields[name], np.abs(member.fields[REINFORCEMENT[name]])
         known = away_from(nodes.mesh, member.singular, "moment")[nodes.nodes] & ~np.isnan(area)
         if not known.any():
@@ -190,7 +190,7 @@ def _largest(result: Result, name: str) -> Layer | None:
 
 
 def reinforcement(of: Contents) -> Iterator[Block]:
-    """Yield method, depths and minimum, and the largest required area of each layer with the numbers that give it."""
+    """Yield the method, tables of limits and effective depths, and the largest required area of each layer of bars."""
     model, write = of.results.model, of.write
     own, bars = model.reinforcement, model.bars
     if own is None or bars is None or not any(True for _ in solved(of.values)):
@@ -235,7 +235,7 @@ def _any(of: Contents) -> Result:
 
 
 def _governing(of: Contents, name: str) -> str | None:
-    """Combination with the largest value of a field of reinforcement; the smallest value for top design moments."""
+    """Combination with the largest bar area or design moment ``name``; top design moments: with the smallest value."""
     ends = [of.results.envelope.field(on_plate(name, plate.name)) for plate in of.results.discretisation.members]
     sign = DESIGN_MOMENTS.get(name, 1.0)
     value, row = max((sign * one.max, one.max_by) if sign > 0.0 else (-one.min, one.min_by) for one in ends)
@@ -260,7 +260,7 @@ def _largest_table(of: Contents, bars: en1992.Bars, lam: float) -> Iterator[Bloc
         if layer is None or by is None:
             continue
         width = next((one[2] for one in extremes(of, name) if one[0] == "max" and one[3] == by), ...)
-        # If the minimum governs, many combinations have the same area; the table shows that with the largest moment.
+        # If the minimum governs, many combinations have equal areas; the table shows the one with the largest moment.
         most = _governing(of, REINFORCEMENT[name]) or by
         other = _largest(of.results[most], name)
         if other is not None and other.area >= layer.area * (1.0 - _EQUAL):

@@ -20,12 +20,12 @@ _WIDE, _HIGH, _LEFT, _TOP, _FOOT = 720.0, 150.0, 82.0, 24.0, 30.0
 _MOST = 8
 """Largest number of combinations with a curve each; for more, a panel has curves of the largest and smallest values."""
 _DIGITS, _TICKS, _APART = 4, 8, 13.0
-"""Number of significant digits at axes, largest number of intervals between ticks, and distance of labels in pixels."""
+"""Number of digits at axes, largest number of intervals between ticks, least distance of labels [pixels]."""
 _PROFILED = ("deflection", *RESULTANTS, PRESSURE.name)
 _Curve = tuple[str, Sequence[float | None], Sequence[Any], Sequence[str]]
 """Curve over k places: name, values (k,), half-widths (k,) of the mesh error, governing combinations (k,).
 
-Without an estimate each half-width is ``...``. Without combinations the last sequence is empty.
+Without an estimate each half-width is ``...``. The curve of a single combination has no governing combinations.
 """
 
 
@@ -39,7 +39,7 @@ class _Panel:
 def diagrams(of: Contents) -> Iterator[Drawing]:
     """Yield the diagrams of sections, strips, profiles and walls, for the combinations whose results are complete."""
     every, write = list(solved(of.values)), of.write
-    along = [one for one in MEANS if len(one.path) == 1]  # a longer path leads to a value of one face
+    along = [one for one in MEANS if len(one.path) == 1]  # longer paths: bars and design moments of one face
     for index, cut in enumerate(every[0]["sections"] if len(every) > 1 else ()):
         values = [one["sections"][index] for one in every]
         told = [found(one["plus_minus"], "sections", index) for one in every]

@@ -18,9 +18,9 @@ from signorini.results.marks import cut_marks, load_marks, support_mark, support
 from signorini.results.result import Result
 
 EXACT = 1e-4
-"""Largest distance of a left-out vertex from its drawn line, relative to the plate's size: less than a pixel."""
+"""Largest distance of a left-out vertex from the drawn line, relative to the plate's size: less than a pixel."""
 _DIGITS = 5
-"""Number of digits of the coordinates of lines."""
+"""Number of significant digits of the coordinates of lines."""
 
 
 def plate_marks(plate: Discretisation, columns: Iterable[Punched]) -> dict[str, Any]:

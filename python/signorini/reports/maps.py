@@ -39,11 +39,11 @@ from signorini.results.support_result import areas_below
 BUDGET = 1_500_000
 """Largest size of a viewer's arrays in the page [bytes]."""
 MAIN = ("deflection", PRESSURE.name)
-"""Fields that take precedence: all further fields are stored as far as the budget allows."""
+"""Fields that are stored before all others; the others are stored as long as the size budget lasts."""
 _MOST_STOPS = 24
-"""Largest number of stops of a load path in a viewer."""
+"""Largest number of stops (load factors with results) of a load path in a viewer."""
 _MOST_NAMES = 500
-"""Largest number of governing combinations that are named under the pointer."""
+"""Largest number of governing combinations of a field whose names a viewer stores, to show them at the pointer."""
 _ENDS = ("largest", "smallest")
 ASSETS = ("maps.css", "maps.vert", "maps.frag", "maps.js")
 
@@ -61,15 +61,15 @@ class _Layer(NamedTuple):
 
     values: Floats
     at_nodes: bool = True
-    bounds: tuple[float, float] | None = None  # pressures outside these bounds mark a gap
+    bounds: tuple[float, float] | None = None  # pressures outside these bounds are drawn as a gap
     number: int = -1
     area: AreaContact | None = None
-    by: Ints | None = None  # (s,): for an envelope, the row (combination) of each value
+    by: Ints | None = None  # (s,): in an envelope, the combination (row) that gives each value
     key: Callable[[int], str] = str  # name of the combination in a row
 
     @property
     def limit(self) -> float | None:
-        """Pressure at which the area yields, if it is constant."""
+        """Pressure at which the area support yields, if it is constant over the area; else None."""
         return None if self.area is None else constant_limit(self.area.support)
 
 
@@ -189,7 +189,7 @@ class _OfEnvelope:
             yield _Layer(nodes.spread(values) if at_nodes else values, at_nodes, (0.0, np.inf))
 
     def _utilisation(self, plate: OfWhole, name: str) -> tuple[Floats, Ints]:
-        """Largest utilisation (s,) at the stress nodes of a plate, and the row (s,) of the table where each occurs."""
+        """Largest utilisation (s,) at the stress nodes of a plate, and the combination (row, (s,)) of each."""
         field, check = utilisations(plate.own.model)[name]
         values, by = self.envelope.on(plate).utilisation(field, check)
         of_nodes = plate.own.stress_nodes.nodes
@@ -307,7 +307,7 @@ def map_data(
 
 
 def _largest(state: _State, plate: OfWhole, name: str) -> float:
-    """Largest magnitude, in a state, of all fields of the same kind; values below its rounding are stored as zero."""
+    """Largest magnitude of all fields of the same kind in one state; values within its rounding are stored as zero."""
     kind = quantity_of(plate.own.model, name)[0].kind
     alike = (one for one in FIELDS if PICTURED[one].kind == kind and state.has(plate, one))
     values = (layer.values for one in {*alike, name} for layer in state.layers(plate, one))
@@ -413,13 +413,13 @@ class _Plate:
         return result
 
     def disc_number(self, discs: list[Any]) -> int:
-        """Number of a list of discs in the header; equal lists are stored once."""
+        """Index in the header of a list of discs around singular places; equal lists are stored once."""
         if discs not in self.header["discs"]:
             self.header["discs"].append(discs)
         return int(self.header["discs"].index(discs))
 
     def _keep_area(self, number: int, area: AreaContact) -> None:
-        """Store the elements of an area once, and the outline to which it is clipped."""
+        """Store, once for each area support, its elements and the outline that clips them."""
         if number not in self.header["areas"]:
             on = (area.covered > 0).astype(np.int64)
             where, exact = area.support.where, EXACT * area.mesh.size

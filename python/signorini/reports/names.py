@@ -1,4 +1,4 @@
-"""Texts for combinations in a report: "C17" in narrow places, else "C17: ULS"; of fewer than three, only the names."""
+"""Labels of combinations in a report: "C17" or "C17: ULS"; with fewer than three combinations only their names."""
 
 from __future__ import annotations
 

@@ -39,13 +39,13 @@ from signorini.results.quantities import (
 _ACROSS = 8
 """Largest number of columns of simultaneous reactions, or of quantities at probes, in one table."""
 _OF_STATIONS = 4
-"""Largest number of extremes at stations in one table, so that it fits on paper."""
+"""Largest number of columns with extremes along strips in one table, so that the table fits on paper."""
 _MOST_REASONS = 20
 """Largest number of combinations without equilibrium whose reason is given."""
 
 
 def _width(tree: Any, *keys: str | int) -> Any:
-    """Half-width at a path of keys in "plus_minus"; ``...`` if no half-widths were computed."""
+    """Half-width at a path of keys in a table "plus_minus" of results.json; ``...`` if no half-widths were computed."""
     return ... if tree is None else found(tree, *keys)
 
 
@@ -168,7 +168,7 @@ def extreme_results(of: Contents) -> Iterator[Block]:
 
 
 def _in_english(write: Writer) -> Iterator[Text]:
-    """Yield, in reports in another language, the sentence that messages of the program are in English."""
+    """Yield, unless the report is in English, the sentence that messages of the program are in English."""
     if write.language != "en":
         yield Text(write("in_english"))
 
@@ -220,7 +220,7 @@ def _largest_pressure(of: Contents, index: int, group: str) -> tuple[float | Non
 
 
 def _largest(of: Contents) -> float:
-    """Largest reaction, relative to which reactions within rounding are 0."""
+    """Largest reaction of all supports; reactions within rounding of 0, relative to it, are written as 0."""
     return max((abs(one[side]) for one in of.values["governing_reactions"] for side in SIDES), default=0.0)
 
 
@@ -262,7 +262,7 @@ def equilibrium(of: Contents) -> Iterator[Block]:
 
 
 def reactions(of: Contents) -> Iterator[Block]:
-    """Yield reactions by combination and support, by point, and the extremes with simultaneous reactions."""
+    """Yield tables of reactions of supports and of points, and of extreme reactions with the simultaneous ones."""
     write, largest = of.write, _largest(of)
     sizes = {"reaction": largest, "gap": max((abs(end[1]) for end in extremes(of, "deflection")), default=0.0)}
     rows, points = [], []
@@ -310,11 +310,11 @@ def reactions(of: Contents) -> Iterator[Block]:
 
 
 def _by_combination(of: Contents) -> Iterator[Block]:
-    """Yield the numbers of areas, and the utilisations of checks and columns, in every combination."""
+    """Yield tables over all combinations: numbers of area supports, utilisations of checks and of punched columns."""
     write, model = of.write, of.results.model
     areas = {support.name for support in model.support if support.area is not None}
     numbers = [pair for pair in by_combination(of.results) if pair[0].home != "support" or pair[0].subject in areas]
-    # Numbers of one kind, such as both eccentricities, share a reference size, since one may be a rounding error.
+    # Numbers of one kind are rounded relative to the largest: one of two eccentricities may be a rounding error.
     sizes = {"length": of.results.discretisation.mesh.size}
     for one, values in numbers:
         kind = one.quantity.kind
@@ -358,7 +358,7 @@ def fields(of: Contents) -> Iterator[Block]:
 
 
 def _part(caption: str, first: int, count: int, across: int = _ACROSS) -> str:
-    """Caption, with a number, of one of the tables into which ``count`` columns are divided, ``across`` in each."""
+    """Caption of a table with at most ``across`` of ``count`` columns; numbered if the columns need several tables."""
     return f"{caption} ({first // across + 1})" if count > across else caption
 
 
@@ -404,7 +404,7 @@ def cuts(of: Contents) -> Iterator[Block]:
 
 
 def _strips(of: Contents) -> Iterator[Block]:
-    """Yield the extremes of the means over strips at every station, each with its combination."""
+    """Yield tables of the extreme means across strips at every station, each extreme with its combination."""
     write, envelope, ends = of.write, of.results.envelope, []
     for each in (one for one in in_model(of.results.model, MEANS) if one.name != "twist"):
         bars = each.path[-1] if len(each.path) > 1 else ""
@@ -508,7 +508,7 @@ def _with_unit(write: Writer, value: float | None, unit: str) -> Cell:
 
 
 def warnings(of: Contents) -> Iterator[Block]:
-    """Yield each warning with the combinations that it is about, and the places where results have no limit."""
+    """Yield each warning with its combinations, and the places where results grow without limit with refinement."""
     for one in of.values["warnings"]:
         names = f" ({', '.join(map(of.code, one['combinations']))})" if one["combinations"] else ""
         yield Text(one["text"] + names, "warning", english=True)

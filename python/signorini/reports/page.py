@@ -1,4 +1,4 @@
-"""The report as one HTML file without requests, and as PDF through an installed Chromium."""
+"""The report as one HTML file that loads nothing from the network, and as PDF printed by an installed Chromium."""
 
 from __future__ import annotations
 
@@ -246,7 +246,7 @@ def _embedded(values: Mapping[str, Any]) -> str:
 
 
 def _margins(title: str, block: Mapping[str, str], program: str, sha256: str) -> str:
-    """Style of the margins of printed pages, which repeat the title block."""
+    """CSS of the margins of printed pages, which repeat the title block."""
     above = " · ".join([title, *block.values()])
     below = f"{program} · SHA-256 {sha256[:16]}"
     return f"@page {{ @top-left {{ content: {_quoted(above)} }} @bottom-left {{ content: {_quoted(below)} }} }}"
@@ -291,7 +291,7 @@ def _print(page: Path, target: Path) -> None:
         # The PDF is untagged: tags of every table cell would be a third of it, and the HTML page serves screen readers.
         options += ["--disable-pdf-tagging", "--virtual-time-budget=20000", f"--print-to-pdf={made}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
-            options.append("--no-sandbox")  # Chromium has no sandbox for root
+            options.append("--no-sandbox")  # Chromium does not start as root with its sandbox
         try:
             ended = subprocess.run(
                 [browser, *options, page.resolve().as_uri() + "#print"], capture_output=True, timeout=_SECONDS

@@ -22,7 +22,7 @@ from signorini.results.quantities import OF_COLUMNS
 
 _FORMULAS = {
     "EN 1992-1-1:2004": {
-        "beta": "1 + Σ k u1/W1 · e, e = M/|V − ΔV|; u1/u1* + k* u1/W1,2 · e2",
+        "beta": "1 + Σ k u1/W1 · e, e = M/|V − ΔV|; at edges u1/u1* + k* u1/W1,2 · e2",
         "v_ed": "β · |V − ΔV| / (u1 · d)",
         "v_ed_face": "(V + Σ k u1/W1 · M) / (u0 · d)",
         "v_rd_c": "max(0.12 · k · (100 ρ fck)^⅓, vmin) · 2d/a, in MPa; ρ = √(ρx ρy) ≤ 0.02",
@@ -52,13 +52,13 @@ _SYMBOLS = {
     **{"v_ed_face": "vEd,0", "v_rd_c": "vRd,c", "v_rd_max": "vRd,max", "asw": "Asw/s"},
 }
 _SYMBOLS_ACI = {"u1": "bo", "v_ed": "vu", "v_ed_face": "vu,0", "v_rd_c": "φ vc", "v_rd_max": "vu,max"}
-"""Symbols in formulas, by name of the number, if they differ from the name; those of ACI 318 replace some."""
+"""Symbols of numbers in formulas, by the numbers' names; for ACI 318 `_SYMBOLS_ACI` replaces some of `_SYMBOLS`."""
 _POWERS = {1: "", 2: "²", 4: "⁴"}
 _DIVISIONS = 20
 _STEP = 1.2
-"""Number of bisections for the distance of the outer perimeter, and ratio of the distances tried before."""
+"""Number of bisections for the distance of the outer perimeter, and ratio of successive distances tried before them."""
 _SIZE, _MARGIN = 430.0, 1.12
-"""Size of a figure in CSS pixels, and its width relative to that of the outermost perimeter."""
+"""Width and height of a figure in CSS pixels, and their ratio to the extent of the lines in the figure."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ class Punched:
 
 
 def punched(results: Results, estimates: Estimates | None) -> list[Punched]:
-    """Columns of a model in their governing combinations, which are solved now if they are only rows of a table."""
+    """Punched columns in their governing combinations, which are solved now if only their rows of the table exist."""
     layout, every = results.combined.layout, list[Punched]()
     columns = [
         [one for one in layout.catalogue if one.home == "punching" and one.owner == index]

@@ -29,7 +29,7 @@ _PLACES = ("at", "edge", "line", "circle", "area", "nodes", "shape")
 
 @dataclass(frozen=True)
 class Contents:
-    """All that the sections of a report are made from: results, their dictionary ``values``, and the writer."""
+    """Data of all sections of a report: results, ``values`` (content of results.json), writer, source of the input."""
 
     results: Results
     estimates: Estimates | None
@@ -58,7 +58,7 @@ class Contents:
 
     @property
     def groups(self) -> Sequence[str]:
-        """Groups with extremes of their own; before them "", all combinations, unless every combination has a group."""
+        """Groups of combinations with extremes; first "" for all combinations, unless every combination has a group."""
         every = self.results.model.effective_combinations
         return (*(() if sum(every.groups.values()) == len(every) else ("",)), *every.groups)
 
@@ -74,11 +74,11 @@ class Contents:
                 yield one
 
     def captioned(self, key: str, group: str) -> str:
-        """Text of the catalogue texts.toml, followed by the name of a group."""
+        """Text of the catalogue texts.toml, followed by the name of a group of combinations, if any."""
         return self.write(key) + (f": {group}" if group else "")
 
     def place_of(self, index: int) -> tuple[str, int]:
-        """Keys of support number ``index`` in a combination of results.json: contacts follow supports."""
+        """Path of support number ``index`` in results.json; contacts between plates are numbered after the supports."""
         count = len(self.results.model.support) - len(self.results.model.contact)
         return ("supports", index) if index < count else ("contacts", index - count)
 
@@ -152,7 +152,7 @@ def _flat(table: Mapping[str, Any], without: Sequence[str], before: str = "") ->
 
 
 def value_of(of: Contents, key: str, value: Any, table: Mapping[str, Any] | None = None) -> Cell:
-    """Cell of a value of the input with its unit, if known; it may depend on the place (line, area) in ``table``."""
+    """Cell of a value of the input with its unit, if known, which may depend on the place (line, area) in ``table``."""
     unit = "°" if key == "angle" else unit_of(key, of.write.units, table)
     return Cell(f"{_words(of, value)} {unit}".rstrip())
 
@@ -247,6 +247,6 @@ def glossary(of: Contents) -> Iterator[Block]:
 
 
 def section(key: str, blocks: Iterator[Block]) -> Section | None:
-    """Section of blocks without empty tables; None if no block remains."""
+    """Section of a report made of blocks, without empty tables; None if no block remains."""
     own = [one for one in blocks if not isinstance(one, Table) or one.rows]
     return Section(key, own) if own else None

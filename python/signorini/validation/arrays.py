@@ -156,7 +156,7 @@ def _half_space() -> Iterator[Case]:
         force, area = _pressed(n, 1 - x**2 - y**2, x, y)
         return {"force": force, "area": area}
 
-    where = "cells of side 1/n with constant pressure, influence by Love (1929), E/(1 − ν²) = 1"
+    where = "cells of side 1/n with constant pressure, influence coefficients by Love (1929), E/(1 − ν²) = 1"
     yield Case(
         "boussinesq-punch",
         "Rigid circular footing on an elastic half-space",

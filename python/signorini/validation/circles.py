@@ -49,7 +49,7 @@ def _case(
     moments: tuple[float, float] = (1e-2, 1e-2),
     meshes: tuple[int, ...] = (4, 8, 16),
 ) -> Case:
-    """Return a case with deflection and moments at radius ``at``; ``moments`` are tolerances, 0 for no moment."""
+    """Return a case that compares w, mr and mt at radius ``at``; ``moments``: tolerances of mr and mt, 0 to omit."""
     w, radial, tangential = exact.at(at)
     where = "middle" if at == 0 else f"r = {at:g}"
     numbers = [Number(_W, f"w, {where}", w, 1e-3)]
@@ -85,7 +85,8 @@ def cases() -> Iterator[Case]:
             f"Disc, {'simply supported' if fix == 'simple' else fix}, h/R = {h:g}"
             + (f" ({aster})" if aster != "thin" else ""),
             f"Disc of radius 1 and thickness {h:g}, E = 1, ν = 0.3, uniform pressure 1, rim {fix}.",
-            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) (simple) or qR⁴/64D, plus qR²/4κGh.",
+            f"{_ASTER}; {TIMOSHENKO}, chapter 3: w = qR⁴(5 + ν)/64D(1 + ν) (simple) or qR⁴/64D (clamped), plus the "
+            "shear deflection qR²/4κGh.",
             Rings([_ring(0, 1, h, 1.0)], _NU, "centre", fix),
             {"shape": "disc", "radius": 1, "thickness": h},
             {"rim": fix},
@@ -182,7 +183,7 @@ def _arcs() -> Case:
         "Disc as a polygon of two arcs (SSLS101)",
         ("polygon with arcs", "simple edges", "uniform pressure"),
         "The disc of SSLS101, radius 1, h = 0.1, E = 1, ν = 0.3, pressure 1, as an outline of two arcs.",
-        f"{_ASTER}; {TIMOSHENKO}, chapter 3, plus qR²/4κGh.",
+        f"{_ASTER}; {TIMOSHENKO}, chapter 3, plus the shear deflection qR²/4κGh.",
         "analytical",
         lambda n: {
             "material": {"E": 1.0, "nu": _NU},

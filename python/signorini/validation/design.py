@@ -10,7 +10,7 @@ from signorini.design.en1992_punching import moment_part
 from signorini.validation.case import Case, Number, Tables
 
 _SAFE = "Computers and Structures, *SAFE Software Verification*, example"
-_SLAB = "Modelled is a slab on one column. Two forces outside the control perimeter have the example's resultant."
+_SLAB = "The model is a slab on one column under two forces outside the control perimeter with the example's resultant."
 
 
 def _slab(
@@ -120,8 +120,8 @@ def _punching() -> Iterator[Case]:
             Number(f"{of}.v_ed", "vu [ksi]", 0.1930, 5e-4, uncertainty=5e-5),
             Number(f"{of}.v_rd_c", "φ vc [ksi]", 0.158, 3e-2, uncertainty=0.158 * (0.17 / 0.16609 - 1) + 5e-4),
         ),
-        "The program computes in SI units, ACI 318M. Its coefficient 0.17 of vc is 2.4 % larger than 2 √psi = 0.16609 "
-        "√MPa.",
+        "The program computes in SI units, ACI 318M. Its factor 0.17 √MPa of vc is 2.4 % larger than the example's "
+        "2 √psi = 0.16609 √MPa.",
         ("in", "kip"),
         160.0,
         (12.0, 36.0),

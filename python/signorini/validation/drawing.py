@@ -19,7 +19,7 @@ from signorini.results.result import Result
 from signorini.results.support_result import areas_below
 
 _WIDTH = 3.0
-"""Largest width of a plan [inches]: the text of a picture is readable on a page of 500 pixels."""
+"""Largest width of a plan [inches]: the picture's text is readable on a page 500 pixels wide."""
 _LONG = 4.0
 """Smallest ratio of length to width of a plate that is drawn as a strip: by a curve of the deflection along x."""
 _ALONG = 201
@@ -41,7 +41,7 @@ def drawings(results: Results) -> Iterator[tuple[Drawing, Drawing]]:
     for (plate, result), discretisation in zip(members.items(), each, strict=True):
         ending, of = (f"-{plate}", f", plate {plate}") if plate else ("", "")
         soil = areas_below(result.supports)
-        # Rigid areas act on the mean deflection of each element; their pressures alternate from element to element.
+        # Pressures of rigid area supports, which act on each element's mean deflection, oscillate and are not drawn.
         field = "pressure" if soil and not any(area.on_means for area in soil) else "deflection"
         low, high = result.mesh.points.min(axis=0), result.mesh.points.max(axis=0)
         if high[0] - low[0] > _LONG * (high[1] - low[1]):

@@ -1,4 +1,4 @@
-"""Patch tests, several plates, and the first example of the paper."""
+"""Patch tests, several plates, and the first example of the paper of Bergmann, Carnicer and Sanzi (docs/theory.md)."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def cases() -> Iterator[Case]:
 
 
 def _patches() -> Iterator[Case]:
-    """Yield patch tests: free meshes whose edge nodes have the displacements of a state of constant moment or shear."""
+    """Yield patch tests: unstructured meshes with the displacements of constant moment or shear at the edge nodes."""
     h, nu, young = 0.1, 0.25, 1e6
     d, s = rigidity(young, h, nu), KAPPA * young * h / 2 / (1 + nu)
-    # Constant shear along (0.6, 0.8): w = ξ/S − ξ³/6D and m = ξ along ξ, which is 1.16 at the probe.
+    # Constant shear 1 along ξ = 0.6x + 0.8y: w = ξ/S − ξ³/6D, m = ξ along ξ; the probe is at ξ = 1.16.
     xi = "(0.6*x + 0.8*y)"
     outline = [[0, 0], [2.4, 0.3], [2.1, 1.6], [0.9, 1.1], [-0.3, 1.4]]
     for name, what, w, slopes, numbers in (
@@ -66,8 +66,8 @@ def _patches() -> Iterator[Case]:
             f"patch-{name}",
             f"Patch test, {what}",
             ("patch test", "polygon", "settlement", "prescribed rotations"),
-            f"Pentagon with a free mesh of quadrilaterals and triangles; its edges have the deflection and slopes of a "
-            f"{what}; no load.",
+            "Pentagon with an unstructured mesh of quadrilaterals and triangles; its edges have the deflection and "
+            f"slopes of a {what}; no load.",
             "B. M. Irons, A. Razzaque (1972); R. H. MacNeal, R. L. Harder, *A proposed standard set of problems*, "
             "Finite Elem. Anal. Des. 1 (1985) 3–20: the state is reproduced exactly.",
             "analytical",
@@ -107,8 +107,8 @@ def _two_plates() -> Iterator[Case]:
             ("several plates", "rigid contact", "hard edges"),
             "Two squares of 4 m, h = 0.04 m above 0.02 m, E = 210 GPa, ν = 0, both on hard edges, 1 kPa on the "
             f"{loaded} one.",
-            "Thin plates of equal outline that touch share a load as D₁ : D₂; a load on the lower plate separates "
-            f"them. Deflection: {TIMOSHENKO}, chapter 5.",
+            "Thin plates of equal outline share a load on the upper plate in the ratio D₁ : D₂; a load on the lower "
+            f"plate separates them. Deflection: {TIMOSHENKO}, chapter 5.",
             "analytical",
             tables,
             (4, 8, 16),
@@ -169,7 +169,7 @@ def _ssnv129() -> Case:
                 0.3426875,
                 1e-2,
                 differs="The printed value has an extra digit 2: Roark's 0.1110 p b⁴/Eh³ for the thin plate under "
-                "p = 1.25e8 is 0.346875. Shear strain adds 3.2 % to the thin plate's 0.34564.",
+                "p = 1.25e8 is 0.346875. Shear strain adds 3.2 % to the thin plate's exact 0.34564.",
             ),
         ),
     )
@@ -198,7 +198,7 @@ def _cantilevers() -> Case:
         ("several plates", "strip", "line load", "rigid contact"),
         "Two cantilevers 4 m × 0.5 m, h = 0.05 m above 0.04 m, E = 210 GPa, ν = 0; 1 kN/m on the tip of the upper one, "
         "contact along the tips.",
-        "Beam statics with shear strain: compliances c = L³/3EI + L/κGh, the lower cantilever carries P c₁/(c₁ + c₂).",
+        "Beam statics: tip compliances c₁ above, c₂ below, c = L³/3EI + L/κGh; the lower tip carries P c₁/(c₁ + c₂).",
         "analytical",
         tables,
         (8, 16, 32),
@@ -237,7 +237,7 @@ def _curled() -> Case:
 
 
 def _quarter(n: int, load: float, prop: Mapping[str, Any] | None) -> Tables:
-    """Quarter of a clamped square in N and mm under a total load, over a prop."""
+    """Quarter of a clamped square plate in N and mm under the force ``load``; ``prop`` supports the square's middle."""
     return {
         "material": {"E": 218564.54444273014, "nu": 0.3},
         "plate": {"shape": "rectangle", "size": [100, 100], "thickness": 20},
@@ -272,12 +272,12 @@ def _superposition() -> Case:
         "load 64 N; a prop under the middle at a gap that half of the load closes. "
         "First stage: half of the load without the prop; second "
         "stage: the other half with a rigid prop.",
-        "The paper's theorem: the one-sided reactions are R¹ + R² at every node, and their sum is 64 N.",
+        "Bergmann, Carnicer, Sanzi: one-sided reactions are the sums R¹ + R² of both stages at each node, 64 N in all.",
         "analytical",
         numbers,
         (2,),
         (
-            Number("apart", "largest difference from R¹ + R² [N]", 0.0, 1e-10, size=64.0),
+            Number("apart", "largest difference of a reaction from R¹ + R² [N]", 0.0, 1e-10, size=64.0),
             Number("sum", "sum of the reactions [N]", 64.0, 1e-10),
         ),
         direct=True,

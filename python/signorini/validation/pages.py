@@ -44,7 +44,7 @@ class Row:
 
 
 def rows_of(outcomes: Iterable[Outcome]) -> Iterator[Row]:
-    """Yield every number on every mesh, except printed values that the program does not reproduce."""
+    """Yield every number on every mesh, without cases that have no mesh and printed values that are not reproduced."""
     for outcome in outcomes:
         for one in outcome.comparisons:
             if one.number.differs or outcome.case.direct:
@@ -132,7 +132,7 @@ def _conclusion(outcome: Outcome) -> str:
     for one in every:
         name = one.number.label
         if one.number.differs:
-            stated = "as stated" if one.holds else "but the case states that they differ"
+            stated = "as stated" if one.holds else "contrary to the case's statement that the values differ"
             parts.append(f"{name}: {one.errors[-1]:.2g} from the printed value, {stated}. {one.number.differs}")
         elif not one.within:
             parts.append(f"{name} misses its tolerance.")

@@ -226,7 +226,7 @@ def _clamped() -> Iterator[Case]:
         "safe-2",
         "Clamped rectangle, b/a = 1.5 (SAFE example 2)",
         ("rectangle", "clamped edges", "uniform pressure"),
-        "Plate 1.5 × 1, h = 0.001, D = 1, ν = 0.3, q = 1, all edges clamped. SAFE has 360 in × 240 in.",
+        "Plate 1.5 × 1, h = 0.001, D = 1, ν = 0.3, q = 1, all edges clamped. SAFE's plate is 360 in × 240 in.",
         f"Ritz's method with 12 × 12 polynomials, converged to 5 digits; {TIMOSHENKO}, chapter 6; {_SAFE} 2.",
         "numerical",
         lambda n: _plate((1.5, 1), edges, 1e-3, n, places, {"pressure": 1.0}),
@@ -258,7 +258,7 @@ def _orthotropic() -> Iterator[Case]:
         "orthotropic",
         "Orthotropic rectangle (Huber)",
         ("rectangle", "orthotropic section", "hard edges"),
-        "Plate 1.5 × 1, Dx = 10, Dy = 1, D1 = 0, Dxy = 1.5 (H = 3), q = 1, hard simply supported edges.",
+        "Plate 1.5 × 1, Dx = 10, Dy = 1, D1 = 0, Dxy = 1.5 (H = D1 + 2 Dxy = 3), q = 1, hard simply supported edges.",
         f"{TIMOSHENKO}, chapter 11, of M. T. Huber (1914).",
         "analytical",
         lambda n: {
@@ -281,7 +281,7 @@ def _orthotropic() -> Iterator[Case]:
 def _polygon(
     points: Sequence[Any], h: float, material: Mapping[str, float], fixes: Mapping[str, Sequence[int]], at: Any
 ) -> Any:
-    """Return a function that makes the input tables of a polygon for n elements along its extent, under pressure 1."""
+    """Return a function of element size and pressure (by default 1) that makes the input of a polygonal plate."""
 
     def tables(size: float, pressure: float = 1.0) -> Tables:
         return {
@@ -363,12 +363,12 @@ def _outlines() -> Iterator[Case]:
             Number(f"probe[1].{_W}", "w, middle", w, 1e-3, uncertainty=1e-4 * w),
             Number(f"probe[1].{_MX}", "mx, middle", moment, 2e-2, uncertainty=1e-4 * moment),
         ),
-        "The outline of arcs and the shear strain change the deflection by less than 1e-4.",
+        "The outline of arcs and the shear strain change the deflection by less than 1e-4 of its value.",
     )
 
 
 def _skew() -> Iterator[Case]:
-    """Yield cases of skew plates, by NAFEMS and by Razzaque."""
+    """Yield the skew plates of NAFEMS and of Razzaque."""
 
     def rhombus(side: float, degrees: float) -> tuple[list[list[float]], list[float]]:
         angle = np.radians(degrees)

@@ -48,7 +48,7 @@ def _ssnl130() -> Iterator[Case]:
             {"name": f"l{i}", "line": [[0, i / 8], [1, i / 8]], "resists": "down", "stiffness": k, "settlement": moved}
             for i, k in enumerate(stiffness)
         ]
-        what = "" if step == 1 else "; the ends of the springs move up by 5 mm"
+        what = "" if step == 1 else "; the lower ends of the springs move up by 5 mm"
         yield Case(
             f"ssnl130-bed-{step}",
             f"SSNL130, continuous bed, step {step}",
@@ -71,7 +71,7 @@ def _ssnl130() -> Iterator[Case]:
             f"ssnl130-lines-{step}",
             f"SSNL130, springs on 17 lines, step {step}",
             ("rectangle", "one-sided lines", "lift-off", "settlement", "pressure by a formula"),
-            f"As SSNL130 on a bed, but springs on 17 lines y = i/8, half as stiff at both ends; E = 2e13 Pa{what}.",
+            f"SSNL130 with springs on 17 lines y = i/8 as soil, the first and last half as stiff; E = 2e13 Pa{what}.",
             f"{_ASTER}: lines 0 to 12 touch, w(0) = 208/58875 m, w(2) = −176/153075 m.",
             "analytical",
             given(lambda n, lines: tables(n, 16 * n, lines, 2e13), lines),
@@ -81,7 +81,7 @@ def _ssnl130() -> Iterator[Case]:
                 Number("probe[2].deflection", "w at y = 2 [m]", -176 / 153075 + moved, 1e-6, uncertainty=1e-11),
                 Number("l13.reaction", "reaction of line 13 [N]", 0.0, 1e-9, size=1.0),
             ),
-            "With E = 2e11 Pa the bending of the plate would be 1.3e-7 of the deflection.",
+            "E is 100 times that of the plate on a bed: with 2e11 Pa the bending would be 1.3e-7 of the deflection.",
         )
 
 
@@ -121,9 +121,9 @@ def _footings() -> Iterator[Case]:
     corner = 3 / (8 * 0.2 * 0.2)
     both = _biaxial(0.15, 0.15)
     for name, e, peak, area, source in (
-        ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern p = P/A (1 + 6e/B)"),
-        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact over 3(B/2 − e), p = 8/3 P/A"),
-        ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern p = P/A (1 + 6eₓ/B + 6e_y/L)"),
+        ("kern", (sixth, 0.0), 1.5, 1.0, "within the kern, largest p = P/A (1 + 6e/B)"),
+        ("quarter", (0.25, 0.0), 8 / 3, 0.75, "contact on a length of 3(B/2 − e), largest p = 8/3 P/A"),
+        ("kern-two-way", (1 / 24, 1 / 24), 1.5, 1.0, "within the kern, largest p = P/A (1 + 6eₓ/B + 6e_y/L)"),
         (
             "two-way",
             (0.15, 0.15),
@@ -163,7 +163,7 @@ def _discs() -> Iterator[Case]:
     """Yield cases of rigid circular footings under an eccentric force."""
 
     def segment(c: float) -> tuple[float, float]:
-        """Return e/R and p/(P/A) of a disc of radius R = 1 with a pressure proportional to x − c for x > c."""
+        """Return e/R and the largest pressure over P/A of a disc of radius R = 1 with pressure ∝ x − c for x > c."""
         x = np.linspace(c, 1.0, 200001)
         chord, rise = 2 * np.sqrt(np.maximum(1 - x**2, 0.0)), x - c
         force = np.trapezoid(chord * rise, x)
@@ -172,8 +172,8 @@ def _discs() -> Iterator[Case]:
     c = brentq(lambda c: segment(c)[0] - 0.5, -0.99, 0.9)
     area = float(np.arccos(c) - c * sqrt(1 - c**2)) / pi
     for name, e, peak, part, source in (
-        ("kern", 0.125, 1.5, 1.0, "within the kern R/4, p = P/A (1 + 4e/R)"),
-        ("half", 0.5, segment(c)[1], area, "pressure on a segment; K. Pohl (1918) tabulates this problem"),
+        ("kern", 0.125, 1.5, 1.0, "within the kern R/4, largest p = P/A (1 + 4e/R)"),
+        ("half", 0.5, segment(c)[1], area, "pressure on a segment of the disc; K. Pohl (1918) tabulates this problem"),
     ):
         yield Case(
             f"disc-footing-{name}",
@@ -241,8 +241,8 @@ def _joints() -> Iterator[Case]:
             ("rectangle", "bolts", "preload", "rigid zones", *(("lift-off",) if pull > separates else ())),
             f"Rigid block 1 m × 1 m on a bed of 2e9 N/m, four bolts of 2e8 N/m tightened to 50 kN, pull "
             f"{pull / 1e3:.0f} kN.",
-            "VDI 2230 Part 1 (2015), joint diagram: bolt F + k_b P/(n k_b + K) up to separation at nF(n k_b + K)/K, "
-            "then P/n.",
+            "VDI 2230 Part 1 (2015), joint diagram of n bolts (preload F, stiffness k_b) and bed K: bolt force "
+            "F + k_b P/(n k_b + K) up to the pull P = nF(n k_b + K)/K, at which the joint separates, then P/n.",
             "analytical",
             given(
                 lambda n, pull: {
@@ -282,9 +282,9 @@ def _crushing() -> Case:
         "block-crushing",
         "Rigid block on soil that crushes",
         ("rectangle", "tensionless soil", "limit", "lift-off"),
-        "Rigid block 2 m × 2 m on soil of 1e8 N/m³ that crushes at 200 kPa; N = 0.95 p_u B(B − 2e) at e = 0.3 m.",
-        "Statics: the pressure is p_u on a part a and falls to 0 over c, with a + c/2 = N/p_u B and the force at the "
-        "centroid. At the limit N = p_u B(B − 2e).",
+        "Rigid block 2 m × 2 m on soil of 1e8 N/m³ that crushes at p_u = 200 kPa; N = 0.95 p_u B(B − 2e) at e = 0.3 m.",
+        "Statics: the pressure is p_u on a length a and falls linearly to 0 on a length c, with a + c/2 = N/p_u B and "
+        "the resultant at N. The largest possible N is p_u B(B − 2e).",
         "analytical",
         lambda n: {
             **_rigid((width, width), n, [width / 2 + eccentricity, 1], {"stiffness": stiffness, "limit": limit}, force),
@@ -311,7 +311,7 @@ def _prying() -> Case:
         "Half of a T-stub: strip with EI = 1 per width, pulled up by F = 1 at its web, where the slope is 0; rigid "
         "bolts as a line at m = 1, and the tip on a rigid line at n = 0.8 beyond the bolts.",
         "R. T. Douty, W. McGuire, *High strength bolted moment connections*, J. Struct. Div. ASCE 91 (1965), "
-        "for rigid bolts: Q/F = 3m²/2n(n + 3m).",
+        "for rigid bolts: prying force Q = F · 3m²/2n(n + 3m).",
         "analytical",
         lambda n: {
             "material": {"E": 12 / h**3, "nu": 0},
@@ -351,10 +351,10 @@ def _flange() -> Iterator[Case]:
             ("rectangle", "bolts", "preload", "tensionless soil", "symmetry", *(("lift-off",) if part > 0.5 else ())),
             "Segment of an L-flange as a plate in N and mm: width 100, bolt at b = 70 from the shell and a = 75 from "
             f"the inner edge, thickness 120, bolt M48 tightened to F_V = 1 MN, pull Z = {part:g} F_V on the edge at "
-            "the shell. Joint: bed E/t without tension up to the plane of symmetry.",
+            "the shell. The joint is a tensionless bed E/t, t = 120, down to its plane of symmetry.",
             "H. Schmidt, M. Neuper, *Zum elastostatischen Tragverhalten exzentrisch gezogener L-Stöße*, Stahlbau 66 "
-            "(1997), as in IEC 61400-6:2020: F = F_V + pZ up to Z = F_V(a − b/2)/(a + b); once the joint has "
-            "opened F = Z(0.7a + b)/0.7a.",
+            "(1997), as in IEC 61400-6:2020: F = F_V + pZ up to Z = F_V(a − b/2)/(a + b), with the bolt's share "
+            "p of the joint's stiffness; once the joint has opened F = Z(0.7a + b)/0.7a.",
             "analytical",
             given(
                 lambda n, part: {
@@ -379,6 +379,6 @@ def _flange() -> Iterator[Case]:
             ),
             (6, 12, 24),
             (Number("bolt[1].reaction", "bolt F/F_V", bolt_force, tolerance, -1 / force, tolerance * bolt_force),),
-            "Two models are compared: the reference assumes the place of the compression, the plate computes it. The "
-            "tolerance covers the difference of the two models.",
+            "The reference assumes where the joint is compressed, the plate model computes it. The tolerance covers "
+            "this difference of the two models.",
         )

@@ -89,8 +89,8 @@ def _discs() -> Iterator[Case]:
                 Number("probe[1].deflection", "w kℓ²/P, middle", centre, 1e-2, uncertainty=2e-3 * centre),
                 Number("probe[2].deflection", "uplift of the rim −w kℓ²/P", -rim, 1e-2, -1.0, 1e-6),
             ),
-            "Under a force at a point the deflection of a plate with shear strain grows with log n; at h = ℓ/100 "
-            "this part is below 2e-3 of the deflection.",
+            "Under a force at a point the deflection of a plate with shear strain grows with log n (n elements); "
+            "at h = ℓ/100 this growth is below 2e-3 of the deflection.",
         )
 
 
@@ -175,8 +175,8 @@ def _infinite() -> Iterator[Case]:
             f"westergaard-{name}",
             f"Wheel load {title} of a pavement (Westergaard)",
             ("rectangle", "soil", "mesh refinement", "patch load"),
-            f"Slab of 8 ℓ beyond the load, D = k = 1, h = 0.02, ν = 0.15, force P = 1 on a square of side {side:.3f} ℓ "
-            f"{title}.",
+            f"Slab that extends 8 ℓ from the load, D = k = 1, h = 0.02, ν = 0.15, force P = 1 on a square of side "
+            f"{side:.3f} ℓ {title}.",
             f"{_WESTERGAARD}, in the form of A. M. Ioannides, M. R. Thompson, E. J. Barenberg, *Westergaard solutions "
             "reconsidered*, Transp. Res. Rec. 1043 (1985): edge w = P√(2 + 1.2ν)/√(Eh³k) (1 − (0.76 + 0.4ν)a/ℓ); "
             "corner w = P(1.205 − 0.69c/ℓ)/kℓ².",
@@ -184,7 +184,7 @@ def _infinite() -> Iterator[Case]:
             given(lambda n, box: slab(n, box), box),
             (1, 2, 4),
             (Number("probe[1].deflection", f"w kℓ²/P {title}", value, tolerance, 1.0, 3e-2 * value),),
-            "Westergaard's formula is a fit to his series, that of Ioannides a fit to finite elements. The error of "
+            "Westergaard's formula is a fit to his series, Ioannides' formula a fit to finite elements. The error of "
             "both is taken as 3 %. The square has the area of the circle that the formulas are for.",
         )
 
@@ -194,7 +194,7 @@ def _panel(u: float, h: float, bed: float, terms: int = 400) -> tuple[float, flo
 
     Return w and m at the column's centre, m at the panel's middle, and w at the panel's middle minus the mean w of the
     column's area.
-    Without soil, q = 1 and the columns push up; on soil of stiffness ``bed`` each column pushes down with 1.
+    Without soil, q = 1 and the columns push up; on soil of stiffness ``bed`` each column pushes down with force 1.
     """
     m, n = np.arange(terms)[:, None], np.arange(terms)[None, :]
     shape = np.sinc(m * u) * np.sinc(n * u)
@@ -274,7 +274,7 @@ def _obstacle() -> Case:
         ("disc", "rigid floor", "settlement", "clamped edges"),
         "Disc of radius 2, h = 0.01, clamped rim, no load, over the rigid obstacle 1 − r².",
         "S. C. Brenner, L. Sung, Y. Zhang, *Finite element methods for the displacement obstacle problem of clamped "
-        "plates*, Math. Comp. 81 (2012): on the obstacle up to r = 0.18134453, beyond u = C₁r² ln r + C₂r² + "
+        "plates*, Math. Comp. 81 (2012): the plate touches up to r = 0.18134453, beyond u = C₁r² ln r + C₂r² + "
         "C₃ ln r + C₄.",
         "analytical",
         lambda n: {
@@ -347,6 +347,6 @@ def _slab_b() -> Case:
             Number(f"points[{i}].reaction", f"reaction {i} [kN]", value, 1e-3, 1e-3, 5e-3, size=333.96)
             for i, value in enumerate(rows, 1)
         ),
-        "Points without footprint indent the plate by log n, so that reactions drift with the mesh of either program. "
+        "Deflections at supports without footprint grow with log n, so that reactions depend on the mesh (n × n). "
         "Errors are relative to the largest reaction.",
     )

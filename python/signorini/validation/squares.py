@@ -62,7 +62,7 @@ def cases() -> Iterator[Case]:
             ],
             "Double sine series of Navier with the shear strain of Mindlin (1951, J. Appl. Mech. 18, 31–38); corner "
             f"force: {TIMOSHENKO}, art. 30.",
-            "On hard edges moments do not depend on the thickness, so that all thicknesses have one corner force.",
+            "On hard edges moments do not depend on the thickness, so that all thicknesses have the same corner force.",
         )
     for h, w in ((0.001, 0.00406585), (0.01, 0.00409930), (0.1, 0.00461691), (0.2, 0.00554504)):
         yield _case(
@@ -88,7 +88,7 @@ def cases() -> Iterator[Case]:
                 Number(deflection, "w D/qa⁴, middle", w, 3e-3, uncertainty=5e-9),
                 Number(edge, "edge moment −mx/qa²", m, 3e-3, factor=-1, uncertainty=5e-6),
             ],
-            f"{_SPECTRAL} Thin plate, Timoshenko and Woinowsky-Krieger (1959): w = 0.00126, moment 0.0513.",
+            f"{_SPECTRAL} Thin plate, Timoshenko and Woinowsky-Krieger (1959): w = 0.00126 qa⁴/D, m = 0.0513 qa².",
         )
     for h, w, m, up in ((0.1, 0.004805, 0.05275, 6.62e-4), (0.01, 0.004402, 0.05103, 7.43e-4)):
         yield _case(

@@ -12,9 +12,9 @@ _HETENYI = "M. Hetényi, *Beams on Elastic Foundation*, 1946"
 _STRENGTH = "S. Timoshenko, *Strength of Materials*, Part I, 3rd ed., 1955"
 _BEAM = "ν = 0, so that the strip bends as a beam; EI = 1 per width, and the shear strain is negligible."
 _H = 0.002
-"""Thickness of a strip."""
+"""Thickness of all strips, at most 0.002 of a span, so that the shear strain is negligible."""
 _NARROW = 0.125
-"""Width of strips on a rigid floor: elements are then at most 8 times as wide as long."""
+"""Width of strips on a rigid floor: elements, one across the width, are then at most 4 times as wide as long."""
 
 
 def _strip(
@@ -83,7 +83,7 @@ def cases() -> Iterator[Case]:
 
 
 def _continuous() -> Iterator[Case]:
-    """Yield cases of beams of several spans, and of a span whose ends turn."""
+    """Yield cases of beams of several spans, and of a span whose ends rotational springs hold."""
     spans = [{"name": f"s{i}", **_line(float(i), fix="simple")} for i in range(4)]
     yield _case(
         "beam-three-spans",
@@ -123,7 +123,7 @@ def _continuous() -> Iterator[Case]:
         "Two spans whose middle support settles",
         ("lines of support", "settlement"),
         "Two spans of 1; the middle line settles by 0.01; no load.",
-        f"{_STRENGTH}: M = 3EIδ/L², R = −6EIδ/L³, both over 1 + 3EI/κGhL².",
+        f"{_STRENGTH}: M = 3EIδ/L², R = −6EIδ/L³, both divided by 1 + 3EI/κGhL².",
         lambda n: _strip(2, n, sunk, [{"pressure": 0.0}], [1.0]),
         [
             Number("s1.reaction", "R L³/EIδ", -6 / sheared, 1e-3, 100.0),
@@ -284,8 +284,8 @@ def _lifted() -> Iterator[Case]:
         "Heavy strip lifted at its middle",
         ("rigid floor", "lift-off", "line load"),
         "Strip of length 4, p = 1, on a rigid floor; the middle is pulled up by F = 1.",
-        "Beam statics: no moment, slope and deflection where the strip touches, no slope in the middle; lifted "
-        "half-length s = 3F/4p, w = −ps⁴/72EI.",
+        "Beam statics: moment, slope and deflection are 0 where the lifted part ends, the slope is 0 in its middle; "
+        "lifted half-length s = 3F/4p, w = −ps⁴/72EI.",
         lambda n: _strip(4, n, floor, [weight, {"line_load": -1.0, **_line(2.0, _NARROW)}], [2.0], width=_NARROW),
         [
             _w(1, "uplift −w EI", s**4 / 72, 3e-2, -1),

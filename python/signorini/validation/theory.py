@@ -56,17 +56,17 @@ class Navier:
 
 
 def uniform(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
+    """Sine coefficients of a uniform pressure of 1; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(16 / np.pi**2 * (m % 2) * (n % 2) / (m * n))
 
 
 def hydrostatic(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """Coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
+    """Sine coefficients of the pressure x/a; Timoshenko and Woinowsky-Krieger (1959), chapter 5."""
     return np.asarray(8 / np.pi**2 * np.where(m % 2, 1.0, -1.0) * (n % 2) / (m * n))
 
 
 def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Coefficients of a force of 1 on the middle part u × v of a unit square."""
+    """Sine coefficients of a force of 1, spread over the middle part u × v of a unit square."""
 
     def coefficients(m: np.ndarray, n: np.ndarray) -> np.ndarray:
         across = np.sin(m * np.pi / 2) * np.sin(m * np.pi * u / 2) / (m * u)
@@ -77,9 +77,9 @@ def patch(u: float, v: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
 
 
 class Levy:
-    """Lévy's series of a thin plate under q = 1 with simply supported sides x = 0, a and any sides y = ± b/2.
+    """Lévy's series of a thin plate under q = 1, simply supported at x = 0 and x = a.
 
-    Each side is "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), chapter 6.
+    The sides y = ± b/2 are "simple", "clamped" or "free"; Timoshenko and Woinowsky-Krieger (1959), chapter 6.
     """
 
     def __init__(self, a: float, b: float, nu: float, lower: str, upper: str, terms: int = 80) -> None:
@@ -105,7 +105,7 @@ class Levy:
         return float(sine @ shape), float(mx), float(my)
 
     def _basis(self, y: float, derivative: int) -> np.ndarray:
-        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy (exponentials are 1 at a side) and 1."""
+        """Derivatives (m, 5) along y of e^αy, αy e^αy, e^−αy, αy e^−αy and 1; exponentials are 1 at one side."""
         result = []
         for sign in (1.0, -1.0):
             scaled = np.exp(sign * self._alpha * y - self._alpha * self._c)
@@ -152,7 +152,7 @@ def clamped(a: float, b: float, nu: float, x: float, y: float, terms: int = 12) 
 
 @dataclass(frozen=True)
 class Ring:
-    """A part of a circular plate: radii, D, shear stiffness S = κ G h, pressure, and line load at its inner radius."""
+    """Annulus of a circular plate: radii, D, shear stiffness S = κ G h, pressure, and line load at its inner radius."""
 
     inner: float
     outer: float
@@ -163,7 +163,7 @@ class Ring:
 
 
 class Rings:
-    """Axisymmetric Reissner–Mindlin plate of rings; its edges are "free", "simple" or "clamped", or inside "centre".
+    """Axisymmetric Reissner–Mindlin plate of rings; edges: "free", "simple" or "clamped"; "centre" inside a disc.
 
     w = C₁r²/4 + C₂ ln r + C₃ + B(r²(ln r − 1)/4D − ln r/S) + q(r⁴/64D − r²/4S), with Q = −(B/r + qr/2);
     Timoshenko and Woinowsky-Krieger (1959), chapter 3, and the shear strain Q/S.

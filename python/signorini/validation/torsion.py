@@ -32,10 +32,10 @@ def cases() -> Iterator[Case]:
             "w of the corner [m]",
             3.537e-6,
             1e-2,
-            differs="The reference is that of a thin plate, without the layers along free edges. By Saint-Venant "
-            "J = bh³/3 · (1 − 0.63 h/b), which adds 3.2 %.",
+            differs="The reference is a thin plate's, without boundary layers along free edges. With Saint-Venant's "
+            "J = bh³/3 · (1 − 0.63 h/b) in place of bh³/3 it would be 3.2 % larger.",
         ),
-        "The corner under a force has no limit; the meshes do not resolve the layers, which are 0.016 m wide.",
+        "w under a point force grows with refinement; the meshes do not resolve the layers of 0.016 m at free edges.",
     )
 
 
