@@ -258,7 +258,7 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
 def _unbalanced(
     discretisation: Discretisation, freedom: RigidFreedom, weighing: Mapping[str, Floats]
 ) -> dict[int, Imbalance]:
-    """Causes of imbalance of the combinations after the first `ASKED`, by row number of the combination.
+    """Reasons why reactions cannot balance combinations after the first `ASKED`, by row number of the combination.
 
     Loads that reactions can balance are a convex set. The work of each load on the free rigid motions is known. A
     linear program over all points is solved only if this work is outside the convex hull of the work of loads known to

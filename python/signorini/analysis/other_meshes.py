@@ -115,7 +115,7 @@ class OtherMeshes:
 
         if other.words not in self._problems:
             watch(Progress(stage="mesh"))
-            # The method of the input may be slow on a finer mesh; any method gives the same certified answer.
+            # The method that the input names may be slow on a finer mesh; every method gives the same certified answer.
             solver = other.model.solver.model_copy(update={"method": "auto"})
             discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]

@@ -194,7 +194,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # For the argument u, asin(sin(πu)) is linear near its zeros: elements are cut exactly at straight steps.
+            # The level function asin(sin(πu)) of the argument u is linear near its zeros, so straight steps are exact.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )

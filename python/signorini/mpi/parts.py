@@ -49,7 +49,7 @@ class Division:
 
 
 def bisected(points: Floats, ranks: int) -> Ints:
-    """Rank (k,) of points (k, 2): the set is halved across its longer extent until each rank has its set.
+    """Rank (k,) of points (k, 2): sets of points are divided across their longer extent until each rank has one set.
 
     Examples
     --------
