@@ -28,10 +28,10 @@ _GROWS = 0.85
 without limit. The ratio is at least 0.9 at point supports and corners, and at most 0.7 for numbers that converge."""
 
 _COUNTS = 0.02
-"""Smallest change, relative to the largest value of the field, at which a number can count as growing without limit."""
+"""Smallest change between the finest meshes, relative to the field's largest value, of a number without limit."""
 
 ROUNDING = 1e-10
-"""Rounding error of a number, relative to the largest number of its kind."""
+"""Smallest half-width of a number, its rounding error, relative to the largest number of its kind."""
 
 
 def half_widths(

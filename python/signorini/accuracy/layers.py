@@ -51,8 +51,9 @@ n of edges parallel to the axes.
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     """Relative error of fields because elements do not resolve the layer along edges with free twist.
 
-    ``sizes`` are the sides of elements on the two finest meshes. The change between these meshes shows, with order 1, a
-    part of this error, which the comparison of meshes covers; this part is subtracted.
+    ``sizes`` are the sides of elements on the two finest meshes. If errors are proportional to the
+    element size, the change between these meshes shows a part of this error. The comparison of meshes covers this part,
+    which is subtracted.
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())

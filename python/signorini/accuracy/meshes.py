@@ -160,7 +160,7 @@ factor at single places.
 _GROWTH = 0.25
 """Increase of the element size per unit of distance from places with small elements."""
 _PARTS = 3.0
-"""Length of the parts into which a line is divided, in mean element sizes. Each part is refined by its own factor."""
+"""Length, in mean element sizes, of the parts of a line with inaccurate numbers. Each part has its own refinement."""
 _AIM = 0.5
 """Accuracy that refinement at single places aims at, relative to the requested accuracy. This leaves a margin, since a
 new mesh within an outline also changes numbers at places where it is not finer."""

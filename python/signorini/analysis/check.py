@@ -51,7 +51,7 @@ class Quality:
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
         # A triangle is stored with its third corner twice, a degenerate quadrilateral with its first corner twice.
-        # The repeated corner has a side of length zero; the next side is used in place of this side.
+        # At a repeated corner the side of length zero is replaced by the next side, so that the angle is defined.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
         onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]

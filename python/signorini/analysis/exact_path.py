@@ -24,7 +24,7 @@ from signorini.results.path_events import Threshold, events_of_stops, first_reac
 from signorini.results.path_stop import PathStop, Switched, path_stops
 
 _SAME = 1e-6
-"""Largest relative difference of path and direct solution at a stop: of deflections, by the largest, and of work."""
+"""Largest difference of a path from a direct solution, relative to the largest deflection or to the load's work."""
 _MOVED = 1e-9
 """Largest difference that may be rounding between the works of path and direct solution, relative to Σ |nodal load ×
 displacement|. Where the plate moves freely, the rounding error of t changes the work by about this part of the sum.
@@ -34,7 +34,7 @@ _AT = 1e-12
 this fraction of each load.
 """
 _SAMPLES = 11
-"""Number of equal intervals into which a path's stops are divided; direct solutions check the stops at their ends."""
+"""Number of equal intervals of a path's stops; direct solutions check the first and last stop of each interval."""
 
 
 def confirmed(
@@ -84,7 +84,7 @@ _LOST = 1e-6
 allows more, but smaller differences decide the contact states of a path.
 """
 _TURNS = 1e-9
-"""Smallest reaction that has a sign, relative to the largest reaction; smallest distance in t of two changes of sign,
+"""Smallest reaction whose sign counts, relative to the largest reaction; smallest distance in t of two changes of sign,
 relative to the distance of two stops."""
 _AT_ONCE = 64
 _NUMBERS = 500_000

@@ -54,7 +54,7 @@ class OtherMeshes:
     watcher: Watcher
     """Called with a `Progress` for each step. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Duration in seconds of all expected ``calls`` of the solution on the model's own mesh."""
+    """Duration in seconds of the solution of all ``calls`` on the model's own mesh; NaN if not measured."""
     calls: int = 1
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)

@@ -147,7 +147,7 @@ class Sampler:
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
-            # Without load there are no reference forces; ``scales`` are taken from the first loaded state.
+            # Without load there are no reference forces for margins; ``scales`` are taken from the first loaded state.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         if not self.above:

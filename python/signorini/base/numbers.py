@@ -104,7 +104,7 @@ def compared(elements: Sequence[int], asked: bool) -> str:
 
 
 POWERS = -4, 5
-"""Exponents of ten between which numbers in pictures have no exponent: five digits fit next to a colour bar."""
+"""Exponents a, b: numbers from 10ᵃ to 10ᵇ are written without exponent, since five digits fit next to a colour bar."""
 
 
 def plain(value: float, digits: int) -> str:

@@ -146,7 +146,7 @@ class Level:
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials with the zeros of the level function, if known; for ``floor`` and ``ceil`` instead their argument."""
+    """Polynomials that are zero where the level function is, if known; of ``floor`` and ``ceil`` their argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -173,7 +173,7 @@ def _discretised(ranks: Ranks, model: Model, show: Show, seconds: dict[str, floa
 
 
 def _answer(discretisation: Discretisation, order: Ints, found: list[dict[str, Any]]) -> Answer:
-    """Put the ranks' parts of the solution together."""
+    """Join the parts of the solution that the ranks have found into one `Answer` on the whole mesh."""
     points = np.concatenate([one["points"] for one in found])
 
     def at_nodes(name: str) -> Floats:

@@ -26,9 +26,9 @@ _SETTLED = 4e-15
 _NEAR = 1e-9
 """Relative correction below which corrections that hardly shrink are rounding errors, and the iteration ends."""
 _SHRINKS = 0.5
-"""Largest ratio of a correction to the correction before at which it shrinks."""
+"""Largest ratio of a correction to the one before at which corrections count as shrinking."""
 _GROWTH = 100.0
-"""Ratio of the penalties of two consecutive stages; the penalty does not exceed the largest penalty."""
+"""Ratio of the penalties of two consecutive stages; the penalty of the last stage is `Part.penalty`."""
 _FLAT = 1e-3
 """Largest slope of the energy at the end of a line search, relative to the slope at its start."""
 _SEARCHES = 60

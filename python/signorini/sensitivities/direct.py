@@ -164,7 +164,7 @@ class Direct:
 
     @cached_property
     def _sizes(self) -> tuple[float, float]:
-        """Largest nodal load or reaction, and largest deflection plus largest gap: reference force and travel."""
+        """Reference force: largest nodal load or reaction. Reference travel: largest deflection plus largest gap."""
         moved = np.abs((self.answer.hi + self.answer.lo)[::3]).max()
         force = max(np.abs(self.answer.reaction).max(initial=0.0), np.abs(self.base.load.nodal[::3]).max())
         return float(force), float(moved + np.abs(self.base.found.contacts.distance).max(initial=0.0))

@@ -105,9 +105,9 @@ def ends_of_line(
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle to the edge, slopes split into parts even and odd about the line.
-            # In the even part and in the odd part, one of the two slopes is 0 on the line by symmetry.
-            # If the line also holds the other slope of a part, the plate is clamped on both sides of it for this part.
+            # At a right angle to the edge, the slopes are the sum of a part even and a part odd about the line.
+            # By symmetry one of the two slopes is 0 on the line in the even part, and the other one in the odd part.
+            # If the line also holds the other slope of the even or odd part, the plate is clamped there for this part.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)
