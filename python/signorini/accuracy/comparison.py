@@ -71,7 +71,7 @@ class Estimate(Brief):
     plates: Mapping[str, Estimate] = field(default_factory=dict)
 
     def of(self, result: Result) -> Estimate:
-        """Return the estimate of ``result``, which is the estimated result or one of its plates."""
+        """Return the estimate in ``plates`` of a single plate's result; for every other ``result`` this estimate."""
         return next((one for one in self.plates.values() if one.result is result), self)
 
     def to_dataframe(self) -> Any:
@@ -85,7 +85,7 @@ class Estimate(Brief):
 
 @dataclass(frozen=True)
 class PathEstimate:
-    """Half-widths of the t of events, thresholds and end of a load path, from paths on other meshes.
+    """Half-widths of the load factor t at events, thresholds and the end of a load path, from other meshes.
 
     Parameters
     ----------
@@ -111,7 +111,10 @@ class PathEstimate:
         return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
 
     def half_width(self, path: LoadPath, index: int) -> float | None:
-        """Largest half-width of t among the events at a stop, or that of the path's end; None if any is unknown."""
+        """Largest half-width of t over the events and thresholds at a stop, or half-width of the path's end.
+
+        None if a half-width is unknown.
+        """
         ends = {len(path.stops) - 1: self.end, 0: 0.0}
         widths = [self.events[number] for number in path.events_at.get(index, ())]
         widths += [self.thresholds[number] for number in path.reached_at.get(index, ())]
@@ -120,7 +123,7 @@ class PathEstimate:
         return max(known) if known and len(known) == len(widths) else None
 
     def words(self, path: LoadPath, index: int) -> str:
-        """Text for the t of a stop, with six digits and with its half-width if that is known."""
+        """Load factor t of a stop as text; ± its half-width, or ± ? if unknown, if meshes were compared."""
         t = f"{path.stops[index].t:.6g}"
         if not self.elements:
             return t
@@ -129,12 +132,12 @@ class PathEstimate:
 
 
 def t_in_words(path: LoadPath, index: int, estimate: PathEstimate | None) -> str:
-    """Text for the t of a stop as `PathEstimate.words`, or without half-width."""
+    """Load factor t of a stop as text, by `PathEstimate.words`; without half-width if ``estimate`` is None."""
     return f"{path.stops[index].t:.6g}" if estimate is None else estimate.words(path, index)
 
 
 def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
-    """Half-widths of the coordinates of contact edges: distances along x and y to the edge on the other mesh."""
+    """Half-widths of vertices of the contact boundary: distances along x and y to the boundary on another mesh."""
     values: dict[Path, float | None] = {}
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
         edges = Targets.of(
@@ -149,7 +152,7 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
 
 
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
-    """Half-widths of the positions of extremes: distance to the farthest node that may have the extreme value."""
+    """Half-widths of the positions of extremes: largest distances along x and y to nodes that may be the extreme."""
     values: dict[Path, float | None] = {}
     spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
     for name_of_field, ends in result.extremes.items():
@@ -165,8 +168,8 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
 
 
 _MOVED = 1e-8
-"""Smallest change of a number between meshes, relative to its field's size, at which the number counts as
-mesh-dependent.
+"""Smallest change of a number from mesh to mesh, relative to the largest number of its kind, that is not rounding.
+Only the half-widths of numbers that change by more include the error of the unresolved boundary layer.
 """
 
 
@@ -201,7 +204,7 @@ class Meshes:
 
     @property
     def reach(self) -> float:
-        """Radius of steep fields around a singularity: two elements of the coarsest mesh."""
+        """Distance from a singularity up to which numbers may grow without limit: two elements of the coarsest mesh."""
         return 2.0 * self.sizes[-1]
 
 
@@ -291,7 +294,7 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
 
 
 def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> Estimate:
-    """Compare each of several plates by itself, and combine their estimates."""
+    """Compare the result of each plate with those on other meshes, and combine the estimates of all plates."""
     each = {
         name: compare(own, [other.plates[name] for other in others], warning) for name, own in result.plates.items()
     }
@@ -336,10 +339,10 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 _AT_STATIONS: Mapping[str, float] = MappingProxyType({"moment_bottom": 1.0, "moment_top": -1.0})
-"""Design moments at a station of a strip, each with its sign."""
+"""Sign of each design moment at a station of a strip: at the bottom it is ≥ 0, at the top ≤ 0."""
 _SIGNS = {"probe": DESIGN_MOMENTS, "station": _AT_STATIONS}
 _AREAS = {"probe": REINFORCEMENT, "station": {name.replace("moment", "as"): name for name in _AT_STATIONS}}
-"""`_SIGNS`: sign of each design moment at probes and stations. `_AREAS`: design moment by name of the bar area."""
+"""`_SIGNS`: sign of each design moment at probes and stations. `_AREAS`: design moment of each bar area."""
 _Place = tuple[str, int, int, str]
 
 
@@ -349,16 +352,16 @@ def _signs(numbers: Sequence[Number]) -> Floats:
 
 
 def _places(numbers: Sequence[Number]) -> dict[_Place, int]:
-    """Indices of numbers at probes and stations, by ("probe" or "station", index, part of the owner, quantity)."""
+    """Indices of numbers at probes and at stations of strips, by ("probe" or "station", owner, station, quantity)."""
     local = ((row, one) for row, one in enumerate(numbers) if one.home in _SIGNS)
     return {(one.home, one.owner, one.part, one.quantity.name): row for row, one in local}
 
 
 def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
-    """Values (m, n, k) in which each design moment of zero at a probe or station is replaced by its g or −g, g ≤ 0.
+    """Values (m, n, k) with g or −g, g ≤ 0, in place of each design moment that is zero at a probe or station.
 
     A design moment is max(0, g) at the bottom, with a continuous function g of the moments, or −max(0, g) at the top.
-    So the comparison of meshes sees changes of g on meshes on which the design moment is zero.
+    With g, meshes on which the design moment is zero still show by how much it changes from mesh to mesh.
     """
     result, rows = values.copy(), _places(numbers)
     for (home, owner, part, name), row in rows.items():
@@ -371,7 +374,7 @@ def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
         if along is None or across is None or twist is None:
             continue
         g = sign * values[:, along] + (size := np.abs(values[:, twist]))
-        if across != along:  # Wood's rules if the direction across needs no bars
+        if across != along:  # Wood's rule if no bars across are needed: g = m + mxy² / |m across|
             other = np.abs(values[:, across])
             with np.errstate(divide="ignore", invalid="ignore"):
                 alone = sign * values[:, along] + size**2 / other
@@ -383,7 +386,7 @@ def _below_zero(values: Floats, numbers: Sequence[Number]) -> Floats:
 def _widen_absent(widths: Floats, numbers: Sequence[Number], values: Floats) -> None:
     """Set the half-width of a bar area of zero to NaN if its design moment plus half-width exceeds zero.
 
-    On a finer mesh at least the minimum reinforcement may be needed there, at an unknown depth.
+    On a finer mesh at least the minimum reinforcement may be needed; its area is not estimated.
     """
     rows = _places(numbers)
     for (home, owner, part, name), row in rows.items():

@@ -1,4 +1,4 @@
-"""Half-widths of numbers from several meshes, and the largest number of each kind, their reference value."""
+"""Half-widths of numbers from several meshes; reference values of numbers: the largest number of each kind."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from signorini.shapes.distances import distances
 from signorini.singularities.singularity import Singularity
 
 _SAFETY, _OF_BEFORE = 3.5, 0.3
-"""Factor F of the remaining error, and smallest last change |d₁| that is assumed, relative to the change |d₂| before.
-At r = 2, F assumes errors that fall as h^0.36, as slowly as a deflection under a point force. The order that the
-changes show is not used: it jumps between combinations if a change is small by chance.
+"""Safety factor F in `half_widths`, and lower bound of a number's last change |d₁|, relative to the change |d₂| before.
+For halved element sizes h, F assumes errors that fall as h^0.36, as slowly as a deflection under a point force. The
+order that the changes show is not used: it jumps between combinations if a change is small by chance.
 """
 
 _GROWS = 0.85
-"""Smallest ratio |d₁|/|d₂| of the last two changes at which a number has no limit, if element sizes are halved. The
-ratio is at least 0.9 at point supports and corners, and at most 0.7 for numbers that converge."""
+"""Smallest ratio |d₁|/|d₂| of a number's last two changes, as element sizes are halved, at which it counts as growing
+without limit. The ratio is at least 0.9 at point supports and corners, and at most 0.7 for numbers that converge."""
 
 _COUNTS = 0.02
-"""Smallest change, relative to the largest value of the field, at which a number can count as growing without limit."""
+"""Smallest change between the finest meshes, relative to the field's largest value, of a number without limit."""
 
 ROUNDING = 1e-10
-"""Rounding error of a number, relative to the largest number of its kind."""
+"""Smallest half-width of a number, its rounding error, relative to the largest number of its kind."""
 
 
 def half_widths(
@@ -74,7 +74,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Mask (...) of numbers (2 or 3, ...) whose last change is noticeable and at least half the change before it."""
+    """Mask (...) of numbers (2 or 3 meshes, ...) whose last change is above `_COUNTS` and half the change before it."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
@@ -90,17 +90,17 @@ def rounded(widths: Floats) -> Floats:
 
 
 _OF_VECTOR, _OF_POINTS = 0.5, 0.2
-"""Smallest change of a number that is assumed: relative to the largest change among the components of its vector, and
-among the reactions of the points of its support.
+"""Lower bounds of a number's change from mesh to mesh, which may vanish by chance: relative to the largest change among
+the components of its vector, and among the reactions of the points of its support.
 """
 _BENT = 0.01
-"""Smallest reference value of each kind of number, relative to the value of this kind in a plate that bends as a whole
-with the largest deflection or moment.
+"""Lower bound of each kind's reference value, relative to the value of this kind in a plate that bends as a whole with
+the largest deflection or moment.
 """
 
 
 def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
-    """Smallest assumed changes (n, k) of numbers, from the largest change among related numbers.
+    """Lower bounds (n, k) of the changes of numbers from mesh to mesh: parts of the largest change of related numbers.
 
     Components of one vector are related, and so are the reactions of the points of one support.
     """
@@ -111,7 +111,7 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
     result, known = np.empty_like(changes), np.nan_to_num(changes)
     for key, members in groups.items():
         quantity = numbers[members[0]].quantity
-        # Principal and design moments depend on all components of the moment.
+        # Principal and design moments are also related to all components of the moment, from which they follow.
         vectors = {LINEAR[name].vector for name in quantity.parents if LINEAR[name].kind == quantity.kind}
         related = [place for vector in vectors for place in groups.get((*key[:2], vector), [])]
         result[members] = known[[*members, *related]].max(axis=0)
@@ -173,7 +173,7 @@ def away(points: Floats, singularity: Singularity) -> Floats:
 
 
 def largest_of(result: Result) -> Mapping[str, float]:
-    """Largest number of every kind in a result: fields at nodes, the sum of all reactions, pressures of areas."""
+    """Reference value of every kind of number in a result: largest nodal value, sum of reactions, largest pressure."""
     each = [_largest_of_plate(plate) for plate in result.members.values()]
     return {kind: max(of[kind] for of in each) for kind in each[0]}
 
@@ -207,10 +207,10 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
 
 
 def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
-    """Largest number of every kind (k,) in k results, from all their numbers (n, k).
+    """Reference value (k,) of every kind of number in k results: the largest of their numbers (n, k) of this kind.
 
     Only numbers that are both in results and in rows of tables are used. Each returned value is at least a hundredth of
-    the value in a plate that bends as a whole with the given deflection or moment. The numbers of a kind may all be
+    the value in a plate that bends as a whole with the given deflection or moment, since all numbers of a kind may be
     rounding errors: moments in a rigid motion, or shears in uniform bending. A hundredth of the largest gap counts as a
     deflection.
     """
@@ -238,7 +238,7 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
-    """Smallest reference values of deflections, moments, shears and reactions, by kind of number.
+    """Lower bounds of the reference values of deflections, moments, shears and reactions, by kind of number.
 
     They are a hundredth of the values in a plate that bends as a whole with the given largest deflection or moment.
     They are needed since the sum of the reactions may be zero, and a plate may be bent without shears.
@@ -260,7 +260,7 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
 
 
 def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> dict[str, Floats]:
-    """Stresses and reinforcement for the largest moment and the largest shear at the thinnest part of the plate."""
+    """Reference values of stresses and reinforcement: those of the largest moment and shear at the least thickness."""
     thickness = float(sections_at(model, mesh.points)[0].min())
     stress, shear = 6.0 * np.asarray(sizes["moment"]) / thickness**2, 1.5 * np.asarray(sizes["shear"]) / thickness
     bars = 0.0 * stress if model.bars is None else stress * thickness / (6.0 * model.bars.yield_stress)
@@ -268,7 +268,10 @@ def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> 
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
-    """Thickness (n,) to which the rigidity at each point refers, all rigidities, and its index (n,)."""
+    """Thickness (n,) at points (n, 2), the plate's distinct rigidities, and the index (n,) of each point's rigidity.
+
+    Where a rigidity is given in place of a thickness, the thickness is that of the equivalent solid plate.
+    """
     zones, nominal = Zones.anywhere(model), np.empty(len(points))
     made = zones.made_at(points)
     for number in np.unique(made.thickness):

@@ -26,11 +26,11 @@ from signorini.singularities.boundary import middles
 
 KINDS = frozenset(("deflection", "rotation", "moment", "stress", "reaction", "pressure", "per_length", "corner"))
 _SOFTER = 1.3
-"""Relative increase of deflections by the layer, divided by h/L with thickness h and L = 4·area/perimeter. Measured:
+"""Relative increase of deflections by the boundary layer, divided by h/L; thickness h, L = 4·area/perimeter. Measured:
 0.86 for a simply supported square, 1.26 for a free strip in torsion (0.63 h over its width)."""
 _SEEN = 2.65
 """Factor in x = 2.65 h/s with thickness h and element size s; elements resolve the part x tanh(1/x) of the layer. On
-simply supported squares with h/a = 0.01 and 0.001, `_left` is right to 0.03 for s = 0.6 h to 100 h."""
+simply supported squares of side 100 h and 1000 h this part is right to 0.03 for s = 0.6 h to 100 h."""
 _TWIST_SEEN = 30.0
 """Factor in 1 / (1 + 30 (δ/s)²), the part of the twist at edges that elements of size s do not resolve. On squares with
 two free edges this part is right to 0.06 for s = 0.7 h to 50 h."""
@@ -39,19 +39,21 @@ _FADED = 12.0
 edge.
 """
 _PER_WIDTH = math.sqrt(10.0)
-"""Ratio h/δ of solid plates with κ = 5/6, for which the preceding constants were measured."""
+"""Ratio h/δ of thickness to layer width in solid plates with κ = 5/6, for which the constants above were measured."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
-"""Side parameters -1 to 1 that divide a curved element side into straight parts, which differ little from an arc."""
+"""Parameters -1 to 1 along a curved element side of the points that divide it into eight straight parts."""
 _ON_EDGE = 1e-6
-"""Tolerance relative to the plate's size for a point on the edge; also the tolerance for an edge parallel to an axis.
+"""Largest distance from an edge, relative to the plate's size, of a point on it; also the largest |nx ny| of the normal
+n of edges parallel to the axes.
 """
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
     """Relative error of fields because elements do not resolve the layer along edges with free twist.
 
-    ``sizes`` are the sides of elements on the two finest meshes. The change between these meshes shows, with order 1, a
-    part of this error, which the comparison of meshes covers; this part is subtracted.
+    ``sizes`` are the sides of elements on the two finest meshes. If errors are proportional to the
+    element size, the change between these meshes shows a part of this error. The comparison of meshes covers this part,
+    which is subtracted.
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())

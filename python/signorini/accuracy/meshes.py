@@ -27,7 +27,7 @@ _LEAST_ALONG, _LEAST = 16, 2500
 from 1000, 250 and 64 elements cover 94 to 96 % of true errors; half-widths from finer meshes cover 99 %."""
 
 _STRAIGHT = 1e-9
-"""Largest distance of a side's node from its middle that counts as rounding, relative to the plate's size."""
+"""Largest distance of a midside node from the middle of a straight side's ends, relative to the plate's size."""
 
 _FEWEST_ALONG = 2
 """Smallest number of elements along the longer side of a mesh that can be coarsened."""
@@ -158,17 +158,17 @@ _LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
 factor at single places.
 """
 _GROWTH = 0.25
-"""Increase of the element size per distance from places with small elements."""
+"""Increase of the element size per unit of distance from places with small elements."""
 _PARTS = 3.0
-"""Length of the parts into which a line is divided, in mean element sizes. Each part is refined by its own factor."""
+"""Length, in mean element sizes, of the parts of a line with inaccurate numbers. Each part has its own refinement."""
 _AIM = 0.5
 """Accuracy that refinement at single places aims at, relative to the requested accuracy. This leaves a margin, since a
 new mesh within an outline also changes numbers at places where it is not finer."""
 _TWINS = 1.25
 """Memory for a mesh and one of half its element size together, relative to the memory for the finer mesh."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
-"""Smallest ratio of element sizes of neighbouring bands that are joined, and smallest ratio to the element size of the
-rest at which a band is omitted.
+"""Refined bands of a rectangle: smallest ratio of the element sizes of neighbours that are joined to one band, and
+smallest ratio of element sizes, inside to outside, at which a band is not refined.
 """
 
 
@@ -446,7 +446,7 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
 
 
 def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, float, float]]:
-    """Bands (begin, end, size) of neighbouring columns of nearly one size, except bands with the overall ``size``."""
+    """Bands (begin, end, element size) of neighbouring columns of similar size, except bands of about ``size``."""
     result: list[tuple[float, float, float]] = []
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
         if result and result[-1][1] == low and _SAME_SIZE < side / result[-1][2] < 1 / _SAME_SIZE:

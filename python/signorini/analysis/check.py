@@ -51,7 +51,7 @@ class Quality:
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
         # A triangle is stored with its third corner twice, a degenerate quadrilateral with its first corner twice.
-        # The repeated corner has a side of length zero; the next side is used in place of this side.
+        # At a repeated corner the side of length zero is replaced by the next side, so that the angle is defined.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
         onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]
@@ -258,7 +258,7 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
 def _unbalanced(
     discretisation: Discretisation, freedom: RigidFreedom, weighing: Mapping[str, Floats]
 ) -> dict[int, Imbalance]:
-    """Causes of imbalance of the combinations after the first `ASKED`, by row number of the combination.
+    """Reasons why reactions cannot balance combinations after the first `ASKED`, by row number of the combination.
 
     Loads that reactions can balance are a convex set. The work of each load on the free rigid motions is known. A
     linear program over all points is solved only if this work is outside the convex hull of the work of loads known to

@@ -26,7 +26,7 @@ class CheckResult:
 
     name: str
     of: str  # the field or number that the check measures
-    value: float | None  # measured value; for overturning 1/λ with the largest load factor λ; None if it is infinite
+    value: float | None  # measured value; for overturning 1/λ, λ the load factor at the limit; None if infinite
     limit: float | None  # limit for values with the sign of this value
     utilisation: float | None  # ratio of value to limit
     plus_minus: float | None  # half-width of the utilisation

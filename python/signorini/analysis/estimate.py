@@ -32,11 +32,11 @@ from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
 _NEAR = 0.02
-"""First distance from the t of an event at which the same event is searched on another mesh, relative to the path's
-length.
+"""First distance from an event's load factor t at which the same event is searched on another mesh, relative to the
+path's largest t.
 """
 _FARTHER = 4.0
-"""Ratio of successive distances from t in the search for an event on another mesh."""
+"""Ratio of successive distances from an event's t in the search for this event on another mesh."""
 
 
 def estimate_asked(path: LoadPath, watcher: Watcher | None = None) -> PathEstimate | None:
@@ -88,7 +88,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     found_widths = [known(width) for width in rounded(widths).tolist()]
     of_asked = iter(found_widths[count:])
     of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
-    # Equilibrium ends at a t set by outlines of supports or, if supports have limits, by contact points of the mesh.
+    # The t at which equilibrium ends depends on the mesh only if supports have limits, else on outlines of supports.
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
     limited = path.problem.freedom.outline.limited
     if path.ending == "no_equilibrium" and limited and not widths[-1] <= LINEAR * path.limit:
@@ -121,7 +121,7 @@ def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], 
 
 
 def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:
-    """Search before or after t, by the sign of the event's function at t, at distances that grow fourfold."""
+    """Find an event before or after t, as the sign of its function at t says, at distances that grow fourfold."""
     end = sampler.path.end * (1 - AT_LIMIT)
     state = sampler.state(min(t, end), near)
     beyond = (sampler.value(state, watch) >= 0) != falls
@@ -233,7 +233,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def no_others(self) -> str:
-        """Why another mesh for the table's estimate is missing; empty if two were solved or there is no table."""
+        """Reason why the table is compared with fewer than two other meshes; empty if with two, or without table."""
         return "" if self.of_table is None else self.of_table.why
 
 

@@ -24,17 +24,17 @@ from signorini.results.path_events import Threshold, events_of_stops, first_reac
 from signorini.results.path_stop import PathStop, Switched, path_stops
 
 _SAME = 1e-6
-"""Relative tolerance for equal deflections, relative to the largest deflection, and for equal work."""
+"""Largest difference of a path from a direct solution, relative to the largest deflection or to the load's work."""
 _MOVED = 1e-9
-"""Tolerance for equal work, relative to Σ |nodal load × displacement|. Where the plate moves freely, the rounding error
-of t changes the work by about this part of the sum.
+"""Largest difference that may be rounding between the works of path and direct solution, relative to Σ |nodal load ×
+displacement|. Where the plate moves freely, the rounding error of t changes the work by about this part of the sum.
 """
 _AT = 1e-12
 """Rounding error of t at an event, relative to t. If the loads at t = 0 and t·add cancel, their sum is not zero but
 this fraction of each load.
 """
 _SAMPLES = 11
-"""Number of equal intervals into which the stops are divided; direct solutions check the stops at their ends."""
+"""Number of equal intervals of a path's stops; direct solutions check the first and last stop of each interval."""
 
 
 def confirmed(
@@ -61,7 +61,7 @@ def confirmed(
 
 
 def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop, watcher: Watcher) -> bool:
-    """Whether a direct solution agrees with a stop: in deflections or, if several solutions exist, in work.
+    """Whether a direct solution at a stop's t agrees with it in deflections or, if several solutions exist, in work.
 
     If no direct solution is certified, the stop counts as right, since its own answer is certified.
     """
@@ -84,8 +84,8 @@ _LOST = 1e-6
 allows more, but smaller differences decide the contact states of a path.
 """
 _TURNS = 1e-9
-"""Relative tolerances: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative
-to the distance of two stops."""
+"""Smallest reaction whose sign counts, relative to the largest reaction; smallest distance in t of two changes of sign,
+relative to the distance of two stops."""
 _AT_ONCE = 64
 _NUMBERS = 500_000
 """Largest number of stops that are certified together, and largest number of dofs of their displacements together
@@ -128,7 +128,7 @@ class PathJudge:
             self.judge(keep=1)
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
-        """Yield a stop for each t since the last stop at which a reaction with a dependent row changes its sign."""
+        """Yield a stop for each t after the last stop at which a reaction with a dependent row of G changes sign."""
         discretisation = self.problem.discretisation
         if self._last is None or self._last[0] == t or not discretisation.shared:
             return
@@ -236,7 +236,7 @@ class PathJudge:
 def exact_path(
     problem: ContactProblem, path: PathLoads, until: float | None, asked: tuple[Threshold, ...], watcher: Watcher
 ) -> ExactPath:
-    """Follow every contact point with each method in turn, until one succeeds."""
+    """Follow every contact point from event to event with each method in turn, until a path is complete."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in posed_for_methods(problem):

@@ -54,7 +54,7 @@ class OtherMeshes:
     watcher: Watcher
     """Called with a `Progress` for each step. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Duration in seconds of all expected ``calls`` of the solution on the model's own mesh."""
+    """Duration in seconds of the solution of all ``calls`` on the model's own mesh; NaN if not measured."""
     calls: int = 1
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)
@@ -115,7 +115,7 @@ class OtherMeshes:
 
         if other.words not in self._problems:
             watch(Progress(stage="mesh"))
-            # The method of the input may be slow on a finer mesh; any method gives the same certified answer.
+            # The method that the input names may be slow on a finer mesh; every method gives the same certified answer.
             solver = other.model.solver.model_copy(update={"method": "auto"})
             discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]

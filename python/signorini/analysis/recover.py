@@ -199,7 +199,7 @@ def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> R
 
 
 def _require_open(problem: RowProblem, result: Result, own: Floats) -> None:
-    """Refuse displacements that violate a row of the caller, or that leave a gap at a row with a reaction."""
+    """Refuse displacements that violate a constraint of the caller's rows, or leave a gap at a row with a reaction."""
     count, values = len(problem.problem.gaps), problem.problem.discretisation
     slopes = values.held.from_global(result.rotation)
     moved = np.column_stack([result.deflection, slopes]).ravel()

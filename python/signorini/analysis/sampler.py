@@ -1,4 +1,4 @@
-"""Certified states along a load path, roots of the margins of supports to events, and the t of the last named event."""
+"""Certified states at values of the load factor t, search for the t of an event, and the t of the last named event."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def load_named(discretisation: Discretisation, name: str | None, argument: str) 
 
 @dataclass(eq=False)
 class State:
-    """Certified answer at t, the `PathStop` made from it, and the margins of the supports."""
+    """Certified answer at t, the `PathStop` made from it, and margins: distances of supports from their events."""
 
     t: float
     answer: Answer
@@ -147,7 +147,7 @@ class Sampler:
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
-            # Without load there are no reference forces; ``scales`` are taken from the first loaded state.
+            # Without load there are no reference forces for margins; ``scales`` are taken from the first loaded state.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         if not self.above:
@@ -167,7 +167,7 @@ class Sampler:
         return threshold.margin(state.stop.number(threshold.quantity), self.above[watch.number])
 
     def exact(self, watch: Watch) -> bool:
-        """Whether the function of a watch is linear in t between the events of contact points."""
+        """Whether the function (margin or threshold) of a watch is linear in t while the contact state is constant."""
         if watch.support is None:
             return self.asked[watch.number].linear
         support = self.problem.discretisation.model.support[watch.support]
@@ -235,7 +235,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
 
 
 def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, State, State | None]) -> float:
-    """Zero of a line through two states, within the bracket; two states with the same contact state are preferred."""
+    """Zero of a line through the function's values at two states, inside the bracket; equal contact states first."""
     below, low, high, above = states
     guesses = []
     for one, other in ((low, high), (below, low), (high, above)):
@@ -253,7 +253,7 @@ def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, St
 
 
 _NOTHING = 1e-9
-"""Zero tolerance for reactions and travels and for their changes, relative to the largest value."""
+"""Largest reaction or travel, or change of these, that counts as zero, relative to the largest value."""
 
 
 def last_change(sampler: Sampler, begin: State) -> float:

@@ -52,7 +52,7 @@ def minimise_with_prices(
     import highspy
 
     class Quiet(highspy.Highs):
-        """HiGHS without its banner: its constructor (HiGHS ≥ 1.16) calls ``enableCallbacks``, which disables output."""
+        """HiGHS without banner: the constructor of HiGHS ≥ 1.16 calls ``enableCallbacks``, which disables output."""
 
         def enableCallbacks(self) -> None:
             self.setOptionValue("output_flag", False)

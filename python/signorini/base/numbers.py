@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 ROUNDING = 1e-10
 """Numbers below this fraction of the largest number of their kind are written as 0, since they are rounding errors.
 
-Certificates tolerate errors a hundred times as large.
+The tolerance of certificates is a hundred times as large.
 """
 
 
@@ -104,7 +104,7 @@ def compared(elements: Sequence[int], asked: bool) -> str:
 
 
 POWERS = -4, 5
-"""Powers of ten between which numbers are written without an exponent; five digits fit next to a colour bar."""
+"""Exponents a, b: numbers from 10ᵃ to 10ᵇ are written without exponent, since five digits fit next to a colour bar."""
 
 
 def plain(value: float, digits: int) -> str:

@@ -105,7 +105,7 @@ def main() -> None:
     try:
         app()
     except OSError as error:
-        # The lost output, of --help, --version, schema or explain, is in no file.
+        # Output of --help, --version, schema and explain is in no file, so that its loss is an error.
         streams.discard(sys.stdout)
         say(streams.stderr(), f"Error: the text cannot be written to standard output: {error.strerror}.")
         sys.exit(SignoriniError.exit_code)
@@ -550,7 +550,7 @@ def _left(directory: Path, former: Callable[[Path], Sequence[str]]) -> Iterator[
 
 @contextmanager
 def _room(room: AbstractContextManager[Path], engine: Engine | None) -> Iterator[Path | None]:
-    """Context with the temporary directory that ``room`` makes; None with petsc, where it is only tried.
+    """Context with the temporary directory that ``room`` makes; None with petsc, after a test that it can be made.
 
     If an MPI rank dies, MPI kills the other ranks at once, so that no rank could remove a temporary directory.
     """

@@ -227,7 +227,7 @@ UNSETTLED = (
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
-    """Write a number with its half-width (±), found at the keys ``path`` in ``widths``; None: without half-width."""
+    """Write a number with its half-width (±), found at ``path`` in ``widths``; without half-width if that is None."""
     if widths is None:
         return number(value, largest, digits)
     width: Any = widths

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
-"""Tolerance, relative to the extent of the points, for positions on their convex hull and for collinear points."""
+"""Largest distance outside the convex hull of the points, relative to their extent, that counts as on the hull.
+
+Also the largest ratio of width to length of points that count as collinear.
+"""
 
 _Array = NDArray[np.float64]
 Outside = Literal["nearest", 0]

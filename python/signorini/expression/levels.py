@@ -146,7 +146,7 @@ class Level:
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials with the zeros of the level function, if known; for ``floor`` and ``ceil`` instead their argument."""
+    """Polynomials that are zero where the level function is, if known; of ``floor`` and ``ceil`` their argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -194,7 +194,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # For the argument u, asin(sin(πu)) is linear near its zeros: elements are cut exactly at straight steps.
+            # The level function asin(sin(πu)) of the argument u is linear near its zeros, so straight steps are exact.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )

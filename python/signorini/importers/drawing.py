@@ -304,7 +304,7 @@ class Slab:
         return bool((np.hypot(*self.beyond(points).T) <= within).all())
 
     def _push(self, shape: Loop) -> complex:
-        """Vector [m] that moves the point of a shape farthest outside the plate onto an edge of the plate."""
+        """Vector [m] by which a shape is moved so that its point farthest outside the plate is on an edge."""
         if not shape.radius:
             return max((complex(x, y) for x, y in self.beyond(shape.points).tolist()), key=abs)
         middle = np.array([shape.corners[0][:2]])
@@ -386,7 +386,7 @@ _MATCHED, _SHARED = 0.75, 0.25
 The first value is for single straight lines; the second for lines of several sides and for possible walls.
 """
 _LONG = 3.0
-"""Smallest ratio of the length of a wall's two faces to the distance between them."""
+"""Smallest ratio of length to distance at which two lines count as the faces of a wall."""
 _ASKEW = 0.01
 """Two lines are parallel up to this slope between them, half a degree: the accuracy of drawings."""
 

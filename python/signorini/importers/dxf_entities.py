@@ -106,7 +106,7 @@ _MAX_BISECTIONS = 8
 _FLAT = 1e-6
 """An arc counts as a straight line up to this ratio of its rise to its chord."""
 _CHORD_ERROR = 0.1
-"""Largest distance of chords from a curve when curves are compared, relative to `GAP` (points that coincide)."""
+"""Largest distance of chords from a curve, relative to `GAP`, when repeated curves are sought along their chords."""
 _MAX_DEPTH = 16
 """Largest depth of nested blocks of a drawing; deeper nesting means that a block contains itself."""
 

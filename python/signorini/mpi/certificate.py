@@ -16,7 +16,7 @@ def errors(problem: Problem, solution: Solution) -> dict[str, float]:
     hi, lo, reaction = solution.hi, solution.lo, solution.reaction
 
     def by_kind(values: Floats) -> tuple[float, float]:
-        """Largest magnitudes of values (3n,) at the deflections and at the slopes of the rank's nodes."""
+        """Largest magnitudes, over the nodes of all ranks, of values (3n,) at deflections and of values at slopes."""
         of_nodes = np.where(owned, values, 0.0).reshape(-1, 3)
         return largest(of_nodes[:, 0]), largest(of_nodes[:, 1:])
 

@@ -135,7 +135,7 @@ def _result(
     least = chosen(discretisation, freedom, load.nodal, answer)
     certificate = Certificate(**found[0]["errors"])
     if least is not answer or not certificate.passed or not (load.all_weighs or not load.weighing.any()):
-        # Rank 0 certifies again if it chose another answer, or if errors must be compared with their rounding.
+        # `certified` certifies the other answer that `chosen` took, or adds rounding limits and `lost` to the errors.
         least, certificate = certified(discretisation, load, least)
     if not certificate.passed:
         why = refusal(combination.name, discretisation, load, least, certificate)
@@ -173,7 +173,7 @@ def _discretised(ranks: Ranks, model: Model, show: Show, seconds: dict[str, floa
 
 
 def _answer(discretisation: Discretisation, order: Ints, found: list[dict[str, Any]]) -> Answer:
-    """Put the ranks' parts of the solution together."""
+    """Join the parts of the solution that the ranks have found into one `Answer` on the whole mesh."""
     points = np.concatenate([one["points"] for one in found])
 
     def at_nodes(name: str) -> Floats:
@@ -230,7 +230,7 @@ def _require_plain(model: Model) -> None:
 
 
 def _require_handled(discretisation: Discretisation) -> None:
-    """Refuse supports whose law, which depends on several keys, is neither λ = k max(s, 0) nor straight."""
+    """Refuse supports whose law, which depends on several keys, is neither λ = k max(τ, 0) nor a straight line."""
     contacts = discretisation.contacts
     handled = np.array([law.only_pushes or law.straight for law in contacts.laws], np.bool_)[contacts.law]
     if not handled.all():

@@ -16,11 +16,11 @@ _WORKSPACE_SHORT = (-8, -9, -14, -15, -17, -20)
 _MEMORY = (*_WORKSPACE_SHORT, -11, -12, -13)
 """Error codes of MUMPS, INFOG(1), for lack of memory."""
 _WORKSPACE, _MOST_WORKSPACE = 30, 2000
-"""First and largest workspace above the estimate of MUMPS in percent, ICNTL(14)."""
+"""Workspace of the first attempt, and one that is not enlarged: percent above the estimate of MUMPS, ICNTL(14)."""
 
 
 class Equations:
-    """The matrix of one part's rows, its factor, and vectors with the values of all nodes of the part.
+    """One rank's rows of the matrix, its factor, and vectors with the values of all nodes of the rank's part.
 
     PETSc stores the upper triangle of the symmetric matrix (SBAIJ). The nodes of a part are in the order of PETSc, so
     the upper triangle of a part's matrix is that of PETSc, for the rows of the nodes that the rank owns.
@@ -60,7 +60,7 @@ class Equations:
         added_rows = np.concatenate([[0], np.cumsum(upper)])[added.indptr].astype(np.int32)
         triangle = rows, self._dofs[column[first:last]], value[first:last]
         if self._matrix is None:
-            # The pattern of K contains the patterns of all supports.
+            # K gives the sparsity pattern: it contains that of GᵀkG, since each row of G has dofs of one element only.
             inner = np.concatenate([[0], np.cumsum(triangle[1] <= self._dofs[self._owned.stop - 1])])[rows]
             counts = np.diff(inner).astype(np.int32), (np.diff(rows) - np.diff(inner)).astype(np.int32)
             self._matrix = self._petsc.Mat().createSBAIJ(self._sizes, 1, nnz=counts, comm=self._communicator)
@@ -71,7 +71,7 @@ class Equations:
         self._matrix.assemble()
 
     def factor(self) -> None:
-        """Factor the matrix; the caller should have released the arrays that filled it."""
+        """Factor the matrix; to save memory the caller has released the arrays from which the matrix was filled."""
         code = self._factored()
         while code in _WORKSPACE_SHORT and self._workspace < _MOST_WORKSPACE:
             self._workspace *= 4

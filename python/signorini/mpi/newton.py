@@ -22,24 +22,23 @@ from signorini.mpi.parts import Part
 _STEPS = 200
 """Largest number of Newton steps."""
 _SETTLED = 4e-15
-"""Correction at convergence, relative to the largest deflection."""
+"""Largest correction of deflections at convergence, relative to the largest deflection."""
 _NEAR = 1e-9
-"""If relative corrections below this hardly shrink, they are rounding errors and the iteration ends."""
+"""Relative correction below which corrections that hardly shrink are rounding errors, and the iteration ends."""
 _SHRINKS = 0.5
-"""Largest ratio of successive corrections that counts as progress."""
+"""Largest ratio of a correction to the one before at which corrections count as shrinking."""
 _GROWTH = 100.0
-"""Ratio of the penalties of two consecutive stages; the penalty does not exceed the largest penalty."""
+"""Ratio of the penalties of two consecutive stages; the penalty of the last stage is `Part.penalty`."""
 _FLAT = 1e-3
 """Largest slope of the energy at the end of a line search, relative to the slope at its start."""
 _SEARCHES = 60
-"""Largest number of evaluations of the slope in a line search."""
+"""Largest number of iterations of a line search; each tries a secant and a bisection."""
 _FREE = 1e-9
-"""Smallest eigenvalue of RᵀGᵀGR, with rigid motions R and the rows G of a contact set, if the set restrains the plate.
-
-It is relative to the largest eigenvalue with the rows of all contact points.
+"""Lower bound of the smallest eigenvalue of RᵀGᵀGR, with rigid motions R and the rows G of a contact set, held dofs and
+springs, at which these restrain the plate; relative to the largest eigenvalue with the rows of all contact points.
 """
 _SOFT = 1e-3
-"""Stiffness of open points, relative to closed points, if the contact set does not restrain the plate."""
+"""Stiffness of open points in the factored matrix, relative to closed points, if these do not restrain the plate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +111,7 @@ class Problem:
 
 
 def solved(problem: Problem, watch: Callable[[int, int, float], object]) -> Solution:
-    """Solve the contact problem; ``watch`` is called with step, points that changed, and relative correction."""
+    """Solve the contact problem; ``watch`` is called with step, number of changed points, and relative correction."""
     equations = Equations(problem.part, problem.communicator)
     try:
         return _Newton(problem, equations, watch).solution()
@@ -158,7 +157,7 @@ class _Newton:
 
     @property
     def _series(self) -> Floats:
-        """Compliance (m,) in series with rigid points, 1/penalty."""
+        """Augmentation compliance σ = 1/penalty (m,) in series with rigid or nearly rigid points; 0 at others."""
         return 1.0 / (self.penalty * self.problem.part.penalty)
 
     @property
@@ -166,7 +165,7 @@ class _Newton:
         return 1.0 / (self.compliance + self._series)
 
     def _augmented(self, travel: Floats) -> Floats:
-        """Augmented travels s + σλ (m,), whose sign is the contact state; the reaction is `_stiffness` times them."""
+        """Augmented travels τ + σλ (m,), ≥ 0 at closed points, where the reaction is `_stiffness` times these."""
         return travel + self._series * self.multiplier
 
     def _forces(self, at_points: Floats) -> Floats:

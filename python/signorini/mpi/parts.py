@@ -49,7 +49,7 @@ class Division:
 
 
 def bisected(points: Floats, ranks: int) -> Ints:
-    """Rank (k,) of points (k, 2): the set is halved across its longer extent until each rank has its set.
+    """Rank (k,) of points (k, 2): sets of points are divided across their longer extent until each rank has one set.
 
     Examples
     --------
@@ -73,8 +73,8 @@ class Part:
 
     ``places`` (n,) are the nodes' numbers in PETSc, ``owned`` the slice of the nodes that the rank owns. ``mine`` (e,)
     are the elements of the rank; points belong to the rank of their element, and ``points`` (m,) are their numbers in
-    the whole table. ``plate`` are the arguments of `_core.Plate`. ``penalty`` (m,) is the largest penalty of each rigid
-    or nearly rigid contact point, infinite at others; ``first_penalty`` is the first penalty relative to it.
+    the table of all points. ``plate`` are the arguments of `_core.Plate`. ``penalty`` (m,) is the last penalty of rigid
+    or nearly rigid contact points, infinite at others; ``first_penalty`` is the first penalty relative to it.
     ``motions`` (3n, 3) are the scaled rigid motions. Lengths and sizes are those of the whole plate.
     """
 

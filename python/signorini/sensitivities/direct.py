@@ -61,14 +61,16 @@ One-sided stencils are for parameters at the end of their allowed range, such as
 _STIFF = (_Stencil(2e-4, _FOURTH_ORDER), *(_Stencil(1e-5, weights) for weights in (_FORWARD, _BACKWARD)))
 """Stencils for stiffness parameters; the larger step of the central one reduces rounding from element matrices."""
 _KINK, _LEAST_KINK = 0.02, 0.01
-"""Smallest second difference that is a kink of a number: relative to the number's first differences, and relative to
-the step times the largest number of the same kind, such as all moments."""
+"""Smallest second difference of a number, over the stencil's values of the parameter, that is a kink: relative to the
+first differences, and relative to the step times the largest number of the same kind, such as all moments."""
 _AT_END = 1e-12
 """Distance of a point from the end of its law's piece that counts as 0, relative to its reference force or travel."""
 _REACHED = 1e-7
-"""Least derivative of a margin at which a point leaves its piece, relative to its reference force or travel."""
+"""Least |derivative| of a point's distance from the end of its law's piece at which a point at this end
+leaves the piece, relative to the point's reference force or travel."""
 _STILL = 1e-8
-"""Largest derivative of a margin that counts as rounding, relative to the point's reference force or travel."""
+"""Largest |derivative| of a point's distance from the end of its law's piece that counts as rounding, relative to the
+point's reference force or travel."""
 
 
 class _State(NamedTuple):
@@ -162,7 +164,7 @@ class Direct:
 
     @cached_property
     def _sizes(self) -> tuple[float, float]:
-        """Largest nodal load or reaction, and largest deflection plus largest gap: reference force and travel."""
+        """Reference force: largest nodal load or reaction. Reference travel: largest deflection plus largest gap."""
         moved = np.abs((self.answer.hi + self.answer.lo)[::3]).max()
         force = max(np.abs(self.answer.reaction).max(initial=0.0), np.abs(self.base.load.nodal[::3]).max())
         return float(force), float(moved + np.abs(self.base.found.contacts.distance).max(initial=0.0))
@@ -200,7 +202,7 @@ class Direct:
         stencil, variants = self._variants(one, size)
 
         def posed(variant: _Variant) -> tuple[Floats, Floats, Floats]:
-            """Residual (3n,) at the present u, offsets (m,) of rigid points, values of held dofs (3n,)."""
+            """Residual (3n,) of a variant at the answer's u, offsets (m,) of rigid points, held values (3n,)."""
             found, state = variant.found, _state(variant.found, answer.piece, answer.hi, answer.lo, answer.reaction)
             left = found.plate.residual(found.springs.arrays, variant.load.nodal, answer.hi, answer.lo)
             left = np.where(base.held.dofs, 0.0, left - found.contact_rows.T @ state.line)

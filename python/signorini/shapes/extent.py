@@ -40,7 +40,7 @@ def diameter(points: Floats) -> float:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Largest distances of points that count as equal, on a plate with diameter ``extent``.
+    """Distances at which points of a plate with diameter ``extent`` count as equal, as on a line, or as too close.
 
     ``thickness`` is the plate's thickness, at one point or at several (q,); 0 if `apart` is not used.
     """

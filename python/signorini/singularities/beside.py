@@ -25,13 +25,13 @@ from signorini.shapes.distances import depth
 from signorini.singularities.named import singularities_of
 
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
-"""Lines of means, one a row, as (midpoint − p)/r and direction: two lines through p, four sides of the square."""
+"""Lines along which means are taken, as rows (midpoint − p)/r and direction: two through p, four sides of a square."""
 _PARTS = 12
-"""Number of parts of a line, with two Gauss points each. An even number puts p between two parts: moments have a kink
-at p.
+"""Number of parts of a line along which a mean is taken; each has two Gauss points. An even number puts the singular
+point p between two parts: moments have a kink at p.
 """
 _ON_FACE = 1e-9
-"""Tolerance for positions on the outline of a column, relative to its size."""
+"""Largest distance of a point outside a column that still counts as in the column, relative to the column's size."""
 _BEYOND = 1.0 + 1e-6
 """Distance of the line along a face from the middle of the column, relative to the half width. Above 1, so that the
 face of a column flush with the plate's edge is off the plate."""

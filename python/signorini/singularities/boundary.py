@@ -33,8 +33,8 @@ _LEAST, _MOST, _TALL = 4e-3, 0.98, 2.0
 exponents 0 and 1 of rigid motions are outside this box. Growth as r^-0.02 is invisible on any mesh; the smallest
 exponent of interest, of a hard corner of 179°, is 0.0056."""
 _STEPS = 400
-"""Number of points on each side of the box in the complex plane: the argument changes by far less than π between two
-points.
+"""Number of points on each side of the box in the complex plane: between two points the argument of the determinant
+changes by far less than π.
 """
 STRAIGHT = np.radians(1.0)
 """Largest angle in radians (1°) between two successive sides of a smooth edge."""
@@ -96,12 +96,12 @@ def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: fl
 
 
 def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
-    """Two boundary conditions of an edge at a polar angle: coefficients of Williams' four functions, scaled freely.
+    """Two boundary conditions of an edge at a polar angle: coefficients of Williams' functions, up to a factor.
 
     The condition is slope = 0 if the edge holds the slope, and moment = 0 if the slope is free.
     """
     more, less = exponent + 1, exponent - 1
-    # Airy's stress function is r^(λ + 1) F. The last two functions contribute an additional term to both slopes.
+    # Airy's stress function is r^(λ + 1) F; ``value`` has four functions F. The last two add terms to both slopes.
     value = np.cos(more * angle), np.sin(more * angle), np.cos(less * angle), np.sin(less * angle)
     slope = -more * value[1], more * value[0], -less * value[3], less * value[2]
     factor = 1 + (3 - poisson) / (1 + poisson)
@@ -210,7 +210,7 @@ class Boundary:
             yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
-        # Take the side that holds the deflection, and the end of this side at the corner.
+        # Whether the slope along the side that holds the deflection is held at ∂w/∂s is read at its end at the corner.
         which, end = (side, 1) if held else (other, 0)
         return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
@@ -260,7 +260,7 @@ def boundary_of(discretisation: Discretisation) -> Boundary:
 
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
-    """Mask (k,): whether slopes prescribed along tangents (k, 2) at points (k, 2) differ from the settlement's."""
+    """Mask (k,): whether slopes held along tangents (k, 2) at points (k, 2) differ from the settlement's slopes."""
     if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]

@@ -53,7 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # A line load normal to an edge is mirrored at it: equal sign at a free edge, opposite sign at a held edge.
+    # The mirror image of a normal line load continues it past a free edge, and has the opposite sign at a held edge.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
@@ -99,15 +99,15 @@ def ends_of_line(
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
         if along_edge or (len(directions) == 2 and not _bends(*directions)):
-            continue  # `Boundary.corners` finds the corners of the plate's edges
+            continue  # `Boundary.corners` finds corners of edges; a straight point is regular
         if not rays:
             numbers = (("moment",) if held_slopes != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle to the edge, slopes split into parts even and odd about the line.
-            # In the even part and in the odd part, one of the two slopes is 0 on the line by symmetry.
-            # If the line also holds the other slope of a part, the plate is clamped on both sides of it for this part.
+            # At a right angle to the edge, the slopes are the sum of a part even and a part odd about the line.
+            # By symmetry one of the two slopes is 0 on the line in the even part, and the other one in the odd part.
+            # If the line also holds the other slope of the even or odd part, the plate is clamped there for this part.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)
@@ -149,7 +149,7 @@ def _bends(backward: Floats, forward: Floats) -> bool:
 
 
 def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Yield the nodes of elements in which thickness or stiffness jumps; there moments are those of a laminate."""
+    """Yield, as singular, the nodes of elements in which thickness or stiffness jumps: moments of a laminate."""
     zones = discretisation.zones
     cut = discretisation.thickness.layered[0] if discretisation.thickness.layered is not None else np.zeros(0, np.int64)
     parted = zones.parted[:, cut]
@@ -161,7 +161,7 @@ def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
 
 
 def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Yield the nodes of elements cut by a line that holds slopes; moments jump across such a line."""
+    """Yield, as singular, the nodes of elements cut by a line that holds slopes; moments jump across such a line."""
     for support in discretisation.model.support:
         along = support.where.curve
         if along is None or not support.holds_rotation:

@@ -70,7 +70,7 @@ def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     for singularity in peaks:
         reach = singularity.within + _AS_FAR * mesh.size
         for point in singularity.where:
-            # Only nodes in a strip of x can be within reach of the point.
+            # Nodes are sorted by x: only nodes with x within ``reach`` of the point's x can be near the point.
             near = slice(np.searchsorted(x, point[0] - reach), np.searchsorted(x, point[0] + reach, side="right"))
             result[order[near]] |= np.hypot(x[near] - point[0], y[near] - point[1]) <= reach
     return result

@@ -64,7 +64,7 @@ FAMILIES: Mapping[str, tuple[Callable[[float, float], Any], Callable[[float, flo
     "gumbel": (_gumbel, lambda mean, deviation: deviation > 0, "[mean, standard deviation > 0] of maxima"),
     "uniform": (_uniform, lambda least, most: least < most, "[least, largest]"),
 }
-"""By name: function that makes the distribution from two numbers, test of the numbers, their meaning in words."""
+"""For each distribution: function that makes it from two numbers, test of the numbers, their meaning in words."""
 
 
 @dataclass(frozen=True)

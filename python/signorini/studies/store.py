@@ -37,7 +37,7 @@ class Store:
         """
         result: dict[int, Row] = {}
         for file in (self.directory / TABLE, *sorted((self.directory / _PARTS).glob("*.parquet"))):
-            # Another process may remove these files as soon as it has written the complete table.
+            # Another process may remove the files with rows as soon as it has written the complete table.
             with suppress(FileNotFoundError):
                 rows, metadata = read_rows(file)
                 if metadata.get(_KEY) != self._metadata[_KEY]:

@@ -41,8 +41,8 @@ _MOST_POINTS = 500
 computed; above the second limit never, since they would need too much memory.
 """
 _BALANCED = 1e-10
-"""Largest relative balance error of a sum of responses. With a larger error the combination is solved by itself, after
-the check of equilibrium.
+"""Largest relative error, loads against reactions, of a sum of responses. With a larger error the combination is solved
+by itself, after the check of equilibrium.
 """
 _EXPLAINED = 100
 """Largest number of combinations without equilibrium for which the reason is stored."""
@@ -242,7 +242,7 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        # Use the problem's plates, whose bolts are tightened; bolts of the layout's plates are not.
+        # Use the plates of the problem, whose bolts are tightened; in the plates of the layout bolts are not tightened.
         plates = self.problem.discretisation.members
         for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
             points = plate.points
@@ -341,7 +341,7 @@ class _Run:
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
-    """Yield each group with the numbers of its rows, given all rows (k,) in rising order."""
+    """Yield each group of combinations with those of the rows (k,), in rising order, that belong to it."""
     for group in dict.fromkeys(groups[row] for row in rows):
         yield group, np.array([row for row in rows if groups[row] == group])
 

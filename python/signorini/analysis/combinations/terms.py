@@ -21,8 +21,8 @@ from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import at_faces, faces_of, means_of
 
 _WATCHED = 64
-"""Number of nodes, and approximate number of dofs, whose largest deflection and load are lower bounds of the largest
-deflection and load of a sum of terms.
+"""Number of nodes, and approximate number of dofs, at which deflection and load of a sum of terms are computed. Their
+largest values are lower bounds of the reference sizes of the sum's certificate.
 """
 
 
@@ -54,7 +54,7 @@ class Sizes(NamedTuple):
     """(2,): largest residual force at a node, with couples divided by the element size; largest error of a held
     deflection, or of a held slope times the plate's size."""
     balance: Floats
-    """(3p,): force and two moments on each of p plates, which the supports do not balance."""
+    """(3p,): force and two moments of the load minus those of the supports, on each of p plates."""
     resultant: Floats
     """(3p,): force and two moments of the load on each plate, excluding self-equilibrated parts."""
     deflection: Floats
@@ -100,7 +100,7 @@ class Sizes(NamedTuple):
 
 
 def _units(discretisation: Discretisation) -> Floats:
-    """Divisors (3,) of a node's force and two couples: 1 and the element size."""
+    """Divisors (3,) by which a node's two couples become comparable with its force: 1 and the element size."""
     across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
@@ -110,7 +110,7 @@ class Proof:
     """Data from which the certificate errors of sums of terms are computed.
 
     ``terms`` are the data of the terms, ``moves`` (m, 3p) the contact rows of G times rigid motions. ``grip`` (m, 1) is
-    the largest entry of each contact row.
+    the largest entry of each contact row, couples divided by the element size.
     """
 
     discretisation: Discretisation
