@@ -211,7 +211,8 @@ def test_while_meshes_are_refined_progress_says_how_far_the_last_one_came() -> N
     said = [line for line in seen if line.startswith("mesh 1: ")]
     assert len(said) == 1
     assert (
-        f"± of {first.what} is {first.worst:.2g} of its field's largest value on {first.elements:,} elements" in said[0]
+        f"with {first.elements:,} elements ± of {first.what} is {first.worst:.2g} of the largest value of its field"
+        in said[0]
     )
     assert "± of 0.1 would take about " in said[0]
     assert first.expected > first.elements

@@ -83,8 +83,8 @@ pub(super) mod newton {
     /// faster, but residuals lose more digits.
     pub(crate) const STIFFEST: f64 = 1e4;
 
-    /// First penalty divided by (thickness/element size)². The first penalty is then the ratio of bending to shear
-    /// stiffness for a wave over twenty elements.
+    /// First penalty, relative to the shear stiffness of an element, divided by (thickness/element size)². The first
+    /// penalty is then the ratio of bending to shear stiffness for a wave about thirty elements long.
     pub(crate) const LONG_WAVE: f64 = 0.01;
 
     /// Relative tolerance of conjugate gradients while the contact state changes. A rough direction suffices to find

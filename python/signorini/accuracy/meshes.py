@@ -187,7 +187,9 @@ class Refined:
 
     def said(self, asked: float) -> str:
         """State the accuracy reached, and the elements and memory that the requested accuracy ``asked`` would need."""
-        result = f"± of {self.what} is {self.worst:.2g} of its field's largest value on {self.elements:,} elements"
+        result = (
+            f"with {self.elements:,} elements ± of {self.what} is {self.worst:.2g} of the largest value of its field"
+        )
         return result if self.worst <= asked else f"{result}. ± of {asked:g} would take {_cost(self.expected)}"
 
 

@@ -18,7 +18,7 @@ from signorini.base.regular import open_regular
 
 PROGRAM = "signorini"
 FUNCTION = "function"
-"""Key, in the JSON of an input, of the table that replaces a Python function; its value is the function's name."""
+"""Key of the table {"function": name} that replaces a Python function in the JSON of an input."""
 _LARGEST_FILE = 4_000_000_000
 """Largest allowed size in bytes of a file that an input names, such as a mesh file."""
 LARGEST_EMBEDDED = 20_000_000

@@ -416,8 +416,8 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     free = -np.linalg.solve(r, q.T @ offset)
     if ((sides @ free) <= room).all():
         return np.asarray(free)
-    # With A = QR, y₀ = −R⁻¹Qᵀb, x = R (y − y₀): minimise ‖x‖ subject to −C R⁻¹ x ≥ C y₀ − r, rows scaled to length 1.
-    rows = np.linalg.solve(r.T, sides.T).T
+    # With A = QR, y₀ = −R⁻¹Qᵀb and x = R (y − y₀) the problem is: minimise ‖x‖ subject to C R⁻¹ x ≤ r − C y₀.
+    rows = np.linalg.solve(r.T, sides.T).T  # C R⁻¹
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)
     beyond = (sides @ free - room)[kept] / size[kept]

@@ -41,14 +41,17 @@ FLOATING = 1e-10
 λ is the stiffness per area of a bed under the whole plate that is as stiff against the motion that is held least.
 """
 THIN = 1e-19
-"""Least λL⁴/D of elastic supports of thin plates, relative to (L/h)²·L²/A, with λ as in `FLOATING`.
+"""Least relative stiffness λL⁴/D of the elastic supports of a thin plate, divided by (L/h)²·L²/A; λ as in `FLOATING`.
 
 On softer supports, rounding of the plate's shear stiffness strains the plate. The value was found by experiment.
 """
 TURNING = 1e-6
-"""Least λL⁴/D, with λ as in `FLOATING`, if rigid supports hold some rigid motions but not all."""
+"""Least relative stiffness λL⁴/D of elastic supports if rigid supports hold some rigid motions of the plate, but not
+all; λ as in `FLOATING`."""
 SOFTEST = 1e-14
-"""Least relative stiffness KL⁴/(AD) of an elastic support, K its total stiffness, if rigid supports hold the plate.
+"""Least relative stiffness KL⁴/(AD) of an elastic support beside rigid supports that hold the plate.
+
+K is the total stiffness of the support; A, L and D are area, size and bending stiffness of the plate.
 
 The force of a softer support is below the rounding of the rigid supports' reactions."""
 RIGID = 1e12

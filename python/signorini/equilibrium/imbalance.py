@@ -468,7 +468,7 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
 
 
 def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
-    """Whether only one-sided supports hold some rigid motion, and no load (3n,) does work in any such motion."""
+    """Whether some rigid motions are held by one-sided supports alone, and no load (3n,) does work in these motions."""
     sizes = [
         (np.abs(work_of(discretisation, freedom, nodal)).max(initial=0.0), load_size(discretisation, nodal))
         for nodal in loads

@@ -34,7 +34,7 @@ class Sides:
 
     @property
     def off_arcs(self) -> float:
-        """Upper bound of the distance between sides and the arcs that they approximate: a tenth of the largest rise."""
+        """Upper bound of the distance between arcs and the parabolic sides: a tenth of the largest rise of a side."""
         rise = self.nodes[:, 1] - 0.5 * (self.nodes[:, 0] + self.nodes[:, 2])
         return 0.1 * float(np.hypot(*rise.T).max(initial=0.0))
 

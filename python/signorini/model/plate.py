@@ -310,7 +310,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def min_divisions(self) -> tuple[int, int]:
-        """Smallest numbers of elements, [radial, around]: one along a radius, and one per quarter circle."""
+        """Smallest numbers of elements, [radial, around]: 1 along a radius; around, 1 for each quarter of a circle."""
         return 1, math.ceil(self.sector / 90)
 
     def _lengths(self) -> tuple[float, float]:

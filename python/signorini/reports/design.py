@@ -1,4 +1,4 @@
-"""Sections of a report by design codes: strengths, factors of combinations, required reinforcement, open checks."""
+"""Sections of a report by design codes: strengths, factors of combinations, required reinforcement, checks not made."""
 
 from __future__ import annotations
 

@@ -521,5 +521,10 @@ def warnings(of: Contents) -> Iterator[Block]:
         [Cell(one["what"]), Cell(", ".join(one["numbers"])), of.write.number(one["within"]), Cell(one["advice"])]
         for one in singular.values()
     ]
-    head = [of.write("place"), of.write("without_limit"), of.write.titled("within", "deflection"), of.write("advice")]
+    head = [
+        of.write("place"),
+        of.write("singular_numbers"),
+        of.write.titled("within", "deflection"),
+        of.write("advice"),
+    ]
     yield Table(of.write("singular"), head, rows, english=True)

@@ -39,8 +39,8 @@ _APART = 2.0
 deflection of each element, and the forces of neighbouring elements alternate; a longer distance averages them.
 """
 _PARALLEL = 1e-9
-"""Largest eigenvalue that counts as zero in the fit of a linear reaction, relative to the largest eigenvalue. One
-eigenvalue is zero if all vertices of the line in a rigid zone are on a straight line.
+"""Zero tolerance for eigenvalues of the second moments of a line's vertices, relative to the largest eigenvalue. One
+eigenvalue is zero if the vertices within a rigid zone, to which a linear reaction is fitted, are on a straight line.
 """
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
 """Length of the zone at the end of a line in which the reaction per length is extrapolated: 3 times the plate's

@@ -25,11 +25,11 @@ from signorini.results.quantities import KINDS, OF_COLUMNS
 def points_inside(
     discretisation: Discretisation, column: int, support: int
 ) -> tuple[Quadrature, csr_array, csr_array, csr_array, Bools]:
-    """Quadrature (q,) over the part of area support number ``support`` inside the r perimeters of a column.
+    """Data for integrating the pressure of an area support inside the r perimeters of a column.
 
-    Also returned are rows (q, n) that interpolate deflections; weights (r, q) that integrate inside each perimeter;
-    rows (q, p) that map the forces of the area's points to the mean pressure over an element; and the mask (q,) of
-    points that take this mean, since the area is too stiff to compute the pressure from the deflection.
+    Returns the quadrature (q,); rows (q, n) that interpolate deflections; weights (r, q) for each perimeter; rows
+    (q, p) that map the forces of the area's points to the mean pressure over an element; and the mask (q,) of
+    quadrature points at which this mean is used, since the area is too stiff for a pressure from the deflection.
     """
     mesh, area = discretisation.mesh, area_at_rest(discretisation, support)
     where, levels = area.support.where.region, steps_of(area.support)

@@ -66,11 +66,11 @@ first differences, and relative to the step times the largest number of the same
 _AT_END = 1e-12
 """Distance of a point from the end of its law's piece that counts as 0, relative to its reference force or travel."""
 _REACHED = 1e-7
-"""Least |derivative| of a point's distance from the end of its law's piece at which a point at this end
-leaves the piece, relative to the point's reference force or travel."""
+"""Least |derivative| with respect to the parameter, of a point's distance from the end of its law's piece, at which a
+point at this end leaves the piece; relative to the point's reference force or travel."""
 _STILL = 1e-8
-"""Largest |derivative| of a point's distance from the end of its law's piece that counts as rounding, relative to the
-point's reference force or travel."""
+"""Largest |derivative| with respect to the parameter, of a point's distance from the end of its law's piece, that
+counts as rounding; relative to the point's reference force or travel."""
 
 
 class _State(NamedTuple):

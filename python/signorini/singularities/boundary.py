@@ -260,7 +260,7 @@ def boundary_of(discretisation: Discretisation) -> Boundary:
 
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
-    """Mask (k,): whether slopes held along tangents (k, 2) at points (k, 2) differ from the settlement's slopes."""
+    """Mask (k,): whether slopes prescribed at points (k, 2) along tangents (k, 2) differ from the settlement's."""
     if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]

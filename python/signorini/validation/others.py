@@ -124,7 +124,8 @@ def _two_plates() -> Iterator[Case]:
                     (1 - part) * w * 1e3,
                 ),
             ),
-            "Shear strain and the contact at the edges change the shares by about h²/a² = 1e-4.",
+            "Shear strain and the contact at the edges change the two plates' shares of the load by about h²/a² = 1e-4 "
+            "(thickness h, span a).",
         )
 
 

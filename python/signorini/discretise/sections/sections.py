@@ -27,7 +27,9 @@ from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
 
 _FLAT = 1e-9
-"""Relative rank tolerance for area moments in an element; in a narrow area, the slope of the pressure is set to 0."""
+"""Relative rank tolerance for the fit of a linear pressure to the part of an element that an area support covers. If
+the part is narrow, the pressure is constant across it.
+"""
 _AT_SIDE = 1e-6
 """Largest distance of a point on a side from this side, in reference coordinates."""
 _BESIDE = 1e-3
@@ -222,7 +224,10 @@ class Sections(Brief):
         return self._rows([np.moveaxis(line.of_stress, -1, 1) for line in self.cuts])
 
     def _rows(self, parts: Sequence[Floats]) -> csr_array:
-        """Sparse matrix (3s, k·n) from element values to section forces; ``parts`` has a block (k, 3, ...) per line."""
+        """Sparse matrix (3s, k·n) from n values in each of k elements to the forces of s sections.
+
+        ``parts`` has the entries of each section, (elements of the section, 3, n).
+        """
         width = int(np.prod(parts[0].shape[2:]))
         values = [part.reshape(len(part), 3, width) for part in parts]
         rows, columns = [], []

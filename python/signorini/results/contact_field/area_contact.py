@@ -244,10 +244,10 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None], self._law)
 
     def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
-        """Compute the part in contact of elements that the edge of contact may cross, for p pairs (solution, element).
+        """Compute the fraction in contact of each element that the edge of contact may cross, in k solutions.
 
-        Returns the numbers (p,) of the solutions, the numbers (p,) of the elements, the parts (p,) from 0 to 1, and the
-        zero tolerance (k,) of the overlap in each of the k solutions.
+        Returns, for p pairs of a solution and an element, their numbers (p,), (p,) and the fractions (p,); and for each
+        solution the penetration (k,) up to which a point counts as just touching.
         """
         if self.on_means or not can_let_go(self.support):
             nothing = np.zeros(0, np.int64)

@@ -25,7 +25,7 @@ pub(super) struct NewtonIterate<'a> {
     pub(super) coarse_load: Option<CoarseLoad<'a>>,
     /// Rounding error of the internal nodal forces; computed on demand after each evaluation of the residual.
     pub(super) rounding: Option<f64>,
-    /// Number of conjugate gradient steps that earlier solves took with the first factor of this solve.
+    /// Number of conjugate gradient steps of earlier solves with the factor from which this solve starts.
     pub(super) spent: usize,
 }
 
