@@ -113,6 +113,20 @@ def test_overturning_with_limits_agrees_with_the_load_path() -> None:
     assert overturning.value == pytest.approx(1 / path(results.model, "G", "W").limit, rel=1e-6)
 
 
+@pytest.mark.parametrize("combinations", ["each", "table"])
+def test_overturning_with_limits_has_a_half_width(combinations: str) -> None:
+    """Soil that crushes at q: M = N (L/2 − a/2) with the stress block a = N/(q b)."""
+    soil = [FOOTING["support"][0] | {"limit": 350e3}]
+    check, output = {"of": "overturning", "grows": ["W"]}, {"combinations": combinations}
+    results = footing({"G": 1, "W": 1}, check, support=soil, output=output)
+    (overturning,) = check_results(results, estimate(results))
+    assert overturning.value is not None and overturning.plus_minus is not None
+    block = 300e3 / (350e3 * 1.5)
+    error = abs(overturning.value - 60e3 / (300e3 * (1 - block / 2)))
+    assert error <= overturning.plus_minus <= 0.02
+    assert overturning.passed
+
+
 def test_variable_cases_overturn_by_default() -> None:
     """With [cases] the weight stays and the wind grows, with the case that follows it."""
     load = [*FOOTING["load"], {"case": "W2", "moment": [20e3, 0], "at": [1, 0.75], "radius": 0.3}]

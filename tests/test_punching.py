@@ -277,6 +277,19 @@ def test_missing_keys_are_those_of_reinforcement():
     assert figures(raft)["punching"][0]["d"] == pytest.approx([0.3 - 0.055, 0.3 - 0.065])
 
 
+@pytest.mark.parametrize("code", [EN["code"], "ACI 318-19"])
+def test_the_depth_is_that_of_the_thinnest_plate_within_the_perimeter(code):
+    """A thickened strip that is narrower than the control perimeter does not count."""
+    bars = {"code": EN["code"], "fck": 30e3, "fyk": 500e3, "cover": {"top": 0.03, "bottom": 0.05}, "bar": 0.01}
+    table = {"support": "columns", "column": [0.4, 0.4], "code": code, "number": [5]}
+    columns = [
+        figures(solved(punching=[table], reinforcement=bars, zone=zone))["punching"][0]
+        for half in (None, 0.25, 2.0)
+        for zone in [[{"area": {"rectangle": [0, 6 - half, 12, 6 + half]}, "thickness": 0.4}] if half else []]
+    ]
+    assert [one["d"] for one in columns] == [pytest.approx([d - 0.035, d - 0.045]) for d in (0.3, 0.3, 0.4)]
+
+
 def test_columns_of_two_codes_have_different_names():
     """Numbers with one name are refused, whatever their owners; [[punching]] has a name of its own."""
     table, american = {"support": "columns", "column": [0.4, 0.4]}, {"code": "ACI 318-19", "d": EN["d"], "fck": 30e3}

@@ -15,7 +15,7 @@ from signorini.base.units import METRES, NEWTONS
 from signorini.design import aci318, en1992_punching
 from signorini.design.perimeters import Column, Pieces, Plan
 from signorini.discretise.places import edge_sides
-from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.quadrature import GAUSS, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, sides_of
 from signorini.discretise.rows import Floats
 from signorini.discretise.sections.sections import Spread
@@ -161,32 +161,47 @@ def _divided_over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, l
 
 def _punched(zones: Zones, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
     model, at = zones.model, np.array([column.at])
+    table, units = model.punching[column.table], model.units
+    length, force = 1e3 * METRES[units.length], NEWTONS[units.force]
+    outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
+    if isinstance(column.outline, Circle):
+        outline = Column((length * complex(*column.outline.center),), length * column.outline.radius)
+    rings = [length * ring for ring in _rings(model, mesh)]
+    check = _check(model, column, outline, rings, thickness := _least_thickness(zones, at))
+    reach = max(perimeter.distance for perimeter in check.perimeters)
+    # The plate may be thinner within the perimeters of the thickness at the column, as beyond a narrow thickening.
+    inside = over(_region(outline.offset(reach), length), mesh, None, GAUSS, ()).positions
+    if (least := _least_thickness(zones, inside)) < thickness:
+        check = _check(model, column, outline, rings, least)
+    if any(outline.distance(length * line) <= reach for line in _axes(model, mesh)):
+        raise InputError("An edge of symmetry cuts the control perimeter. Model the whole column.")
+    return PunchedColumn(column, check, table.code, length, force)
+
+
+def _least_thickness(zones: Zones, points: Floats) -> float:
+    """Least thickness of the plate at points (q, 2); infinite without points."""
+    return float(zones.nominal(zones.made_at(points).thickness, points).min(initial=np.inf))
+
+
+def _check(model: Model, column: ColumnAt, outline: Column, rings: Sequence[Floats], thickness: float) -> Check:
+    """Check of a column in a plate of uniform thickness, in units of the model; outlines are in mm."""
     table, units, on_raft = model.punching[column.table], model.units, column.support is None
     length, force = 1e3 * METRES[units.length], NEWTONS[units.force]
-    thickness = length * float(zones.nominal(zones.made_at(at).thickness, at)[0])
     rho, d, fck, fyk = table.rho or (0.0, 0.0), table.d, table.fck, table.fyk
     if (own := model.reinforcement) is not None and (bars := model.bars) is not None:
         faces = (bars.bottom_x, bars.bottom_y) if on_raft else (bars.top_x, bars.top_y)
-        d = d or (thickness / length - faces[0], thickness / length - faces[1])
+        d = d or (thickness - faces[0], thickness - faces[1])
         rho, fck, fyk = table.rho or (bars.least, bars.least), fck or own.fck, fyk or own.fyk
     assert d is not None and fck is not None and fyk is not None  # Without [reinforcement], d, fck, fyk are required.
     if min(d) <= 0.0:
         raise InputError("The plate is thinner than the distance of its bars from the face. Give the depth d.")
     given, depths = None if table.beta == "computed" else table.beta, (length * d[0], length * d[1])
-    strengths, rings = (fck * force / length**2, fyk * force / length**2), [length * r for r in _rings(model, mesh)]
-    outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
-    if isinstance(column.outline, Circle):
-        outline = Column((length * complex(*column.outline.center),), length * column.outline.radius)
+    strengths = fck * force / length**2, fyk * force / length**2
     if table.code == ACI_318:
-        plan = Plan.of(outline, rings, aci318.WITHIN * thickness)
-        check: Check = aci318.Punching(plan, depths, *strengths, given)
-    else:
-        plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(depths), widened=True)
-        check = en1992_punching.Punching(plan, depths, rho, *strengths, given, on_raft)
-    reach = max(perimeter.distance for perimeter in check.perimeters)
-    if any(outline.distance(length * line) <= reach for line in _axes(model, mesh)):
-        raise InputError("An edge of symmetry cuts the control perimeter. Model the whole column.")
-    return PunchedColumn(column, check, table.code, length, force)
+        plan = Plan.of(outline, rings, aci318.WITHIN * length * thickness)
+        return aci318.Punching(plan, depths, *strengths, given)
+    plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(depths), widened=True)
+    return en1992_punching.Punching(plan, depths, rho, *strengths, given, on_raft)
 
 
 def _axes(model: Model, mesh: Mesh) -> Iterator[Floats]:

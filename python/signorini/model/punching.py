@@ -63,8 +63,8 @@ class Punching(base.OnPlate, base.Named):
     )
     d: Pair | None = Field(
         default=None,
-        description="Effective depths [dx, dy] of the bars in tension; default: thickness less the distance of these "
-        "bars in [reinforcement]: top bars over a support, bottom bars of a raft.",
+        description="Effective depths [dx, dy] of the bars in tension; default: least thickness within the control "
+        "perimeter less distance of these bars in [reinforcement]: top bars over a support, bottom bars of a raft.",
     )
     rho: Pair | None = Field(
         default=None,

@@ -108,15 +108,15 @@ def widened(catalogue: Catalogue, values: Floats, widths: Floats, limited: bool)
     """Fill in the half-widths of checks in the half-widths (k, n) of all numbers.
 
     A check's value has the half-width of the governing number; its utilisation has this half-width divided by the
-    limit. The load factor of overturning is exact, with half-width 0. Only if supports have force limits (``limited``)
-    does this factor depend on the mesh; its half-width is then NaN.
+    limit. The load factor of overturning is exact, with half-width 0, unless supports have force limits (``limited``):
+    its half-width then comes from other meshes, as for other numbers.
     """
     result = widths.copy()
     for one in checks_in(catalogue):
         which = one.governing(values)[0][:, None]
         value, width = (np.take_along_axis(of[:, one.measured], which, axis=1)[:, 0] for of in (values, widths))
-        if one.check.of == OVERTURNING:
-            width = np.full(len(value), np.nan if limited else 0.0)
+        if one.check.of == OVERTURNING and not limited:
+            width = np.zeros(len(value))
         result[:, one.utilisation] = width / np.abs(one.check.limit_of(value))
         if one.value is not None:
             result[:, one.value] = width

@@ -614,7 +614,7 @@ def _of_check(quantity: Quantity, check: Check, index: int, numbers: Sequence[Nu
     elif not kinds:
         quantity = replace(quantity, along_paths=False)
     path = ("checks", index, quantity.name)
-    return Number(quantity, "check", index, path, check.name, 0, True, False, check)
+    return Number(quantity, "check", index, path, check.name, 0, True, not kinds and quantity.name == "value", check)
 
 
 def _is_tabled(model: Model, number: Number) -> bool:
