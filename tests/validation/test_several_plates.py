@@ -162,6 +162,38 @@ def test_what_nothing_holds_down_lifts_off():
         solve(Model(**mechanism))
 
 
+@pytest.mark.parametrize("drilled", [("foot",), ("slab",), ("foot", "slab")])
+def test_a_bolt_through_round_holes_is_in_balance_with_itself(drilled):
+    """Tightened on one-sided soil; the meshes of the plates approximate the holes differently."""
+    hole = [{"circle": {"center": [1.75, 1.45], "radius": 0.05}}]
+    shapes = {
+        "slab": {"size": [4, 3], "thickness": 0.3},
+        "foot": {"size": [2, 1.5], "origin": [0.75, 0.7], "thickness": 0.1},
+    }
+    plates = {
+        name: {"shape": "rectangle", **of, **({"holes": hole} if name in drilled else {})}
+        for name, of in shapes.items()
+    }
+    bolt = {"name": "bolt", "between": ["foot", "slab"], "at": [1.75, 1.45], "radius": 0.12, "resists": "up"}
+    model = Model(
+        material={"E": 3e7, "nu": 0.2, "unit_weight": 25},
+        plates=plates,
+        contact=[{"between": ["foot", "slab"], "area": "all", "stiffness": 1e6}],
+        support=[
+            {"name": "soil", "plate": "slab", "area": "all", "resists": "down", "stiffness": 2e4},
+            {**bolt, "stiffness": 1e4, "preload": 50},
+        ],
+        load=[{"plate": name, "self_weight": True} for name in plates],
+    )
+    result = solve(model)["all"]
+    areas = {"slab": 12.0, "foot": 3.0}
+    weight = 25 * sum(
+        (areas[name] - 0.0025 * np.pi * (name in drilled)) * of["thickness"] for name, of in shapes.items()
+    )
+    assert result.reactions["soil"] == pytest.approx(weight, rel=1e-6)
+    assert result.supports["bolt"].reaction == pytest.approx(-50.0, rel=0.01)
+
+
 @pytest.mark.parametrize("pull", [0.0, 0.5, 0.99, 1.2])
 def test_bolts_through_two_plates_hold_a_preloaded_joint(pull):
     """n bolts tightened to F on a layer of stiffness K: F + k P / (n k + K) up to P = n F (n k + K) / K, then P / n."""

@@ -302,7 +302,7 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
     """Return a pressure as function of elements and positions, linear over a footprint, with a couple as resultant."""
     # Coordinates relative to the footprint's middle and size give three well-scaled equations for the pressure.
-    middle = quadrature.weights @ quadrature.positions / quadrature.total
+    middle = quadrature.centroid
     size = np.sqrt(quadrature.total)
 
     def linear(positions: Floats) -> Floats:

@@ -86,7 +86,7 @@ class Footprints:
                 "cut its middle.",
                 place=place,
             )
-        middle = quadrature.weights @ quadrature.positions / quadrature.total
+        middle = quadrature.centroid
         if hollow and part == 1.0 and math.dist(middle, centre) > _OFF_MIDDLE * math.sqrt(shape.area):
             raise InputError(
                 f"{subject} without the holes in it has its middle at {point(middle, mesh.size)}, not at the point. "

@@ -68,6 +68,11 @@ class Rows:
         further = self.further
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
+    def __add__(self, other: Rows) -> Rows:
+        """Add rows with the same elements."""
+        further = replace(self.further, coefficients=self.further.coefficients + other.further.coefficients)
+        return Rows(self.elements, self.coefficients + other.coefficients, further)
+
     def slope_along(self, along: Floats, other: Rows) -> Rows:
         """Rows of the slope along unit directions (m, 2), from rows of θx (``self``) and of θy (``other``).
 

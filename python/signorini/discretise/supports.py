@@ -139,7 +139,16 @@ class SupportedPlate:
             return rows
         mesh, frames = self.beneath.mesh, self.beneath.held.frames
         below = [area_quadrature(mesh, shape, GAUSS) for shape in placed.support.where.footprints]
-        return rows.extended(-means_over(mesh, frames, below, field), len(self.mesh.elements))
+        lower = means_over(mesh, frames, below, field)
+        if not field:
+            # The meshes approximate a round hole in the footprint differently. With the lower plate's mean moved to the
+            # upper footprint's centroid, the forces on both plates have one line of action.
+            arms = np.array(
+                [above.centroid - own.centroid for above, own in zip(placed.footprints, below, strict=True)]
+            )
+            x, y = (means_over(mesh, frames, below, part) for part in (1, 2))
+            lower += x.slope_along(arms, y)
+        return rows.extended(-lower, len(self.mesh.elements))
 
 
 def springs_and_contacts(

@@ -40,6 +40,11 @@ class Quadrature(Table):
         """Sum of the weights: the area or length of the domain on the plate."""
         return float(self.weights.sum())
 
+    @property
+    def centroid(self) -> Floats:
+        """Centroid (2,) of the domain on the plate."""
+        return np.asarray(self.weights @ self.positions / self.total)
+
 
 @dataclass(frozen=True, eq=False)
 class LineQuadrature(Quadrature):
