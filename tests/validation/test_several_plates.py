@@ -162,6 +162,83 @@ def test_what_nothing_holds_down_lifts_off():
         solve(Model(**mechanism))
 
 
+ROUND_HOLE, SQUARE_HOLE = {"circle": {"center": [1.8, 1.4], "radius": 0.2}}, {"rectangle": [1.6, 1.2, 1.9, 1.7]}
+
+
+def on_a_plate_with_a_hole(area, hole, drilled="lower"):
+    """A plate with a load beside its middle, on an area of another plate on soil; one of the plates has a hole."""
+    shapes = {
+        "lower": {"size": [4, 3], "thickness": 0.3},
+        "upper": {"size": [3, 2.3], "origin": [0.5, 0.4], "thickness": 0.1},
+    }
+    plates = {
+        name: {"shape": "rectangle", **of, **({"holes": [hole]} if hole and name == drilled else {})}
+        for name, of in shapes.items()
+    }
+    return Model(
+        material={"E": 3e7, "nu": 0.2},
+        mesh={"size": 0.3},
+        plates=plates,
+        contact=[{"name": "layer", "between": ["upper", "lower"], "area": area, "stiffness": 1e5}],
+        support=[{"name": "soil", "plate": "lower", "area": "all", "resists": "down", "stiffness": 2e4}],
+        load=[
+            {"plate": "upper", "pressure": 10},
+            {"plate": "upper", "force": 5, "at": [2.2, 1.5], "patch": [0.2, 0.2]},
+        ],
+    )
+
+
+@pytest.mark.parametrize("drilled", ["lower", "upper"])
+@pytest.mark.parametrize(
+    ("area", "hole", "measure"),
+    [
+        ({"rectangle": [0.8, 0.6, 3, 2.4]}, SQUARE_HOLE, 2.2 * 1.8 - 0.15),
+        ({"rectangle": [0.8, 0.6, 3, 2.4]}, ROUND_HOLE, 2.2 * 1.8 - 0.04 * np.pi),
+        ({"rectangle": [1.8, 0.6, 3.2, 2.4]}, ROUND_HOLE, 1.4 * 1.8 - 0.02 * np.pi),
+        ({"annulus": {"center": [1.8, 1.4], "inner": 0.3, "outer": 0.8}}, ROUND_HOLE, 0.55 * np.pi),
+        ("all", SQUARE_HOLE, 6.9 - 0.15),
+    ],
+)
+def test_a_contact_acts_only_where_both_plates_are(area, hole, measure, drilled):
+    """The holes of both plates are left out, in the readings of either plate."""
+    result = solve(on_a_plate_with_a_hole(area, hole, drilled))["all"]
+    assert result.reactions["layer"] == pytest.approx(10 * (6.9 - hole_area(hole) * (drilled == "upper")) + 5, rel=1e-4)
+    for plate in result.plates.values():
+        (layer,) = (one for one in plate.supports if one.name == "layer")
+        assert layer.weights.sum() == pytest.approx(measure, rel=1e-4)
+
+
+def hole_area(hole):
+    return 0.15 if hole is SQUARE_HOLE else 0.04 * np.pi
+
+
+def test_a_hole_of_the_lower_plate_acts_as_a_hole_of_the_area():
+    area = {"rectangle": [0.8, 0.6, 3, 2.4]}
+    found, expected = (
+        solve(on_a_plate_with_a_hole(one, SQUARE_HOLE))["all"].plates["upper"]
+        for one in (area, area | {"holes": [SQUARE_HOLE]})
+    )
+    assert found.extremes["deflection"].max == pytest.approx(expected.extremes["deflection"].max, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "where",
+    [{"area": {"rectangle": [0.8, 0.6, 3.4, 2.4]}}, {"line": [[0.8, 1], [3.4, 1]]}, {"line": [[1, 1.4], [3, 1.4]]}],
+)
+def test_a_support_off_the_lower_plate_is_refused(where):
+    plates = {
+        "lower": {"shape": "rectangle", "size": [3.2, 3], "thickness": 0.3, "holes": [SQUARE_HOLE]},
+        "upper": {"shape": "rectangle", "size": [4, 2.3], "origin": [0.5, 0.4], "thickness": 0.1},
+    }
+    tie = {"name": "tie", "between": ["upper", "lower"], "resists": "both", "stiffness": 1e5, **where}
+    soil = {"plate": "lower", "area": "all", "resists": "down", "stiffness": 2e4}
+    model = Model(
+        material={"E": 3e7, "nu": 0.2}, plates=plates, support=[soil, tie], load=[{"plate": "upper", "pressure": 1}]
+    )
+    with pytest.raises(InputError, match="off the plate"):
+        solve(model)
+
+
 @pytest.mark.parametrize("drilled", [("foot",), ("slab",), ("foot", "slab")])
 def test_a_bolt_through_round_holes_is_in_balance_with_itself(drilled):
     """Tightened on one-sided soil; the meshes of the plates approximate the holes differently."""

@@ -91,7 +91,7 @@ def located(
                     place=(*place, i) if len(coordinates) > 1 else place,
                 )
         problems.raise_collected()
-        elements = np.where(where.inside, where.elements, mesh.beside(positions))
+        elements = mesh.nearest(positions).elements
         middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
         where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
     # A point that the input gives on a circle is moved onto the parabola that approximates the circle.

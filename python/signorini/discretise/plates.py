@@ -24,7 +24,7 @@ from signorini.discretise.repeated import Repeated, not_held
 from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.stressnodes import StressNodes
-from signorini.discretise.supports import SupportedPlate, points_of
+from signorini.discretise.supports import SupportedPlate, points_of, require_on_plate
 from signorini.discretise.thickness import PlateStiffness, Thickness
 from signorini.discretise.zones import ZonesOfPlates
 from signorini.errors import Problems, placing
@@ -99,8 +99,14 @@ def _between(
         if support.between is None:
             continue
         upper, lower = map(names.index, support.between)
-        index_in_part = parts[upper].numbers["support"].index(index)
-        on_upper = [each for each in placements[upper] if each.index == index_in_part]
+        on_upper, on_lower = (
+            [each for each in placements[plate] if each.index == parts[plate].numbers["support"].index(index)]
+            for plate in (upper, lower)
+        )
+        with placing(parts[lower].place), problems.collected():
+            for one in on_lower:
+                require_on_plate(grounds[lower], one)
+        problems.raise_collected()
         with placing(parts[upper].place):
             points = points_of(replace(grounds[upper], beneath=grounds[lower]), on_upper, problems)
         result.append(_Joint(index, upper, lower, replace(points, support=np.full(len(points), index))))

@@ -81,6 +81,13 @@ A smaller deviation would make too many points.
 """
 
 
+_BEYOND = 0.05
+"""Largest distance of a point from the lower of two plates, relative to the size of the upper plate's element.
+
+Outlines of both plates are approximated by parabolas, or by polygons with a point per degree.
+"""
+
+
 @dataclass(frozen=True, eq=False)
 class _SupportPoints(Table):
     """Points of one support with their rows, before they get the support's law.
@@ -129,6 +136,13 @@ class SupportedPlate:
         if self.beneath is None:
             return rows
         where = self.beneath.mesh.nearest(points.positions)
+        apart = np.hypot(*(self.beneath.mesh.map(where.elements, where.xi) - points.positions).T)
+        off = apart > _BEYOND * np.sqrt(self.mesh.element_area[points.elements])
+        if off.any():
+            raise InputError(
+                f"{point(points.positions[int(off.argmax())])} is on the upper plate, but off the lower one: beyond an "
+                "edge or in a hole. Leave this part out."
+            )
         coefficients, _ = self.beneath.core.interpolation_rows(where.elements, where.xi, field)
         return rows.extended(Rows(where.elements, -coefficients), len(self.mesh.elements))
 
@@ -149,6 +163,15 @@ class SupportedPlate:
             x, y = (means_over(mesh, frames, below, part) for part in (1, 2))
             lower += x.slope_along(arms, y)
         return rows.extended(-lower, len(self.mesh.elements))
+
+
+def require_on_plate(plate: SupportedPlate, placed: Placed) -> None:
+    """Refuse a support's area, line or circle that leaves the plate; areas may cover holes."""
+    where = placed.support.where
+    if placed.support.area is not None:
+        in_area(plate.mesh, plate.shape, where.region, placed.place, GAUSS)
+    elif where.curve is not None:
+        along_curve(plate.mesh, plate.shape, where, placed.place, placed.sides, GAUSS)
 
 
 def springs_and_contacts(

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import KDTree
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.remade import Brief, Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh import isoparametric as maps
-from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
+from signorini.mesh.sides import Sides, edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
 from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.boxes import BoxTree
@@ -313,21 +314,17 @@ class Mesh(Remade):
         return Location(elements, reference)
 
     def nearest(self, points: Floats) -> Location:
-        """Locate points (q, 2) as `locate` does; a point outside gets the element with the nearest boundary side."""
+        """Locate points (q, 2) as `locate` does; for a point outside, locate the nearest position on the boundary."""
         where = self.locate(points)
         off = np.flatnonzero(~where.inside)
         if not len(off):
             return where
+        sides = self.points[self.boundary]
+        far = float(np.max(KDTree(sides[:, 1]).query(points[off])[0]))
+        there = self.locate(Sides(sides, far).nearest(points[off])[0])
         elements, xi = where.elements.copy(), where.xi.copy()
-        elements[off] = self.beside(points[off])
-        xi[off] = self.invert(elements[off], points[off])
+        elements[off], xi[off] = there.elements, there.xi
         return Location(elements, xi)
-
-    def beside(self, points: Floats) -> Ints:
-        """Number (q,) of the element whose boundary side has the nearest midside node to each point (q, 2)."""
-        beside, side = np.nonzero(self.on_boundary)
-        middles = self.points[self.sides[beside, side, 1]]
-        return np.array([beside[((middles - at) ** 2).sum(axis=1).argmin()] for at in points], np.int64)
 
     def holding(self, points: Floats) -> tuple[Ints, Location]:
         """Find all elements that contain each point (q, 2), see `locate`.

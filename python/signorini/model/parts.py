@@ -135,14 +135,44 @@ def _on_plate(model: Whole, support: Support, name: str) -> Support:
     if support.between is None:
         return support
     upper, lower = support.between
-    area = support.area if support.area != "all" else _shared_area(model, name, upper if name == lower else lower)
+    area = None if support.area is None else _area_on_both(model, name, lower if name == upper else upper, support.area)
     resists = support.resists if name == upper else _REVERSED.get(support.resists, support.resists)
     return support.model_copy(update={"area": area, "resists": resists})
 
 
-def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
-    """The area in which plates ``name`` and ``other`` overlap; "all" if it is the whole plate ``name``."""
+def _area_on_both(model: Whole, name: str, other: str, area: Area | Literal["all"]) -> Area | Literal["all"]:
+    """The part of ``area`` on both plates; "all" if it is the whole plate ``name``.
+
+    Holes of plate ``name`` itself are left to its mesh, and an area beyond the outline of a plate is refused there.
+    """
     plate, other_plate = model.plates[name], model.plates[other]
+    if area == "all":
+        return _shared_area(name, plate, other, other_plate)
+    if isinstance(other_plate, MeshPlate):
+        return area
+    outline, *inner = area.region.loops
+    whole = shapely.Polygon(outline, inner)
+    cut = [(hole, shapely.Polygon(hole.points())) for hole in other_plate.contours[1:]]
+    cut = [(hole, shape) for hole, shape in cut if whole.intersection(shape).area > _SAME_AREA * whole.area]
+    if not cut:
+        return area
+    if all(whole.contains_properly(shape) for _, shape in cut):
+        (form,) = area.present(area.forms)
+        holes = *area.holes, *(Form(polygon=_corners(hole)) for hole, _ in cut)
+        return Area(**{form: getattr(area, form), "holes": holes})
+    left = shapely.get_parts(whole.difference(shapely.union_all([shape for _, shape in cut])))
+    parts = [part for part in left if part.area > _SAME_AREA * whole.area]
+    if len(parts) != 1:
+        raise InputError(
+            f'the holes of "{other}" divide the area into {len(parts)} separate areas. Write one table for each area.'
+            if parts
+            else f'the area lies in a hole of "{other}". Move it onto both plates.'
+        )
+    return _drawn(parts[0])
+
+
+def _shared_area(name: str, plate: Plate, other: str, other_plate: Plate) -> Area | Literal["all"]:
+    """The area in which two plates overlap; "all" if it is the whole ``plate``."""
     if isinstance(plate, MeshPlate) or isinstance(other_plate, MeshPlate):
         raise InputError(
             f'found "all", but the outline of "{name}" or "{other}" is in a mesh file. Give the shared area as a '
@@ -166,7 +196,12 @@ def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
     if other_polygon.area - areas[0].area <= tolerance:
         outline, *holes = other_plate.contours
         return Area(polygon=_corners(outline), holes=tuple(Form(polygon=_corners(hole)) for hole in holes))
-    boundaries = (areas[0].exterior, *areas[0].interiors)
+    return _drawn(areas[0])
+
+
+def _drawn(polygon: shapely.Polygon) -> Area:
+    """The polygon as an area of the input."""
+    boundaries = (polygon.exterior, *polygon.interiors)
     rings = [[(x, y) for x, y in shapely.get_coordinates(ring)[:-1].tolist()] for ring in boundaries]
     return Area(polygon=rings[0], holes=tuple(Form(polygon=ring) for ring in rings[1:]))
 
@@ -215,9 +250,10 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
         return
     first = len(model.support) - len(model.contact)
     for index, support in enumerate(model.support):
-        if support.between is not None and support.area == "all":
+        if support.between is not None and support.area is not None:
             try:
-                _shared_area(model, *support.between)
+                for name, other in (support.between, support.between[::-1]):
+                    _area_on_both(model, name, other, support.area)
             except InputError as error:
                 yield (*_place_of(index, first), "area"), error.message
                 return
