@@ -167,7 +167,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// Update matrices of the part's roots, one after the other, until the parents of the roots add them.
+    /// Update matrices of the roots of this part of the elimination tree, stored one after the other for the parents.
     left: Buffer,
 }
 

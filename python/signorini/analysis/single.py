@@ -1,4 +1,4 @@
-"""Solve combinations: one by itself, several side by side, or all as rows of a table."""
+"""Solve combinations: one by itself, several in parallel, or all as sums of the solutions for load cases and points."""
 
 from __future__ import annotations
 

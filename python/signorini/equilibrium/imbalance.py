@@ -128,7 +128,7 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
 
 
 def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
-    """Collapse mechanism in which supports with limits open and yield; None if they can balance the whole load.
+    """Collapse mechanism in which supports with limits lift off or yield; None if they can balance the whole load.
 
     A linear program over the reactions finds the largest factor of the load that can be balanced. Its multipliers are
     the mechanism (static and kinematic theorems, Drucker, Prager & Greenberg 1952). In this motion the load does more
