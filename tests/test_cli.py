@@ -207,6 +207,69 @@ def test_check_replaces_its_own_picture_and_no_file_of_others(slab: Path) -> Non
     assert picture.stat().st_size > 1000
 
 
+@pytest.fixture
+def reading(tmp_path: Path) -> Path:
+    """A directory of input files that read a table, a mesh from earlier results, and a picture, each from a file."""
+    (tmp_path / "bed.csv").write_text("x,y,value\n0,0,1e7\n4,0,1e7\n4,3,1e7\n0,3,1e7\n")
+    (tmp_path / "logo.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>")
+    plate = 'shape = "rectangle", size = [4, 3]'
+    text = """\
+        report = {{ logo = "logo.svg" }}
+        material = {{ E = 30e9, nu = 0.2 }}
+        plate = {{ {plate}, thickness = 0.2 }}
+        mesh = {{ {mesh}error = false }}
+        support = [{{ name = "bed", area = "all", resists = "down", stiffness = {{ file = "bed.csv" }} }}]
+        load = [{{ pressure = 5e3 }}]
+    """
+    (tmp_path / "bed.toml").write_text(text.format(plate=plate, mesh="divisions = [4, 3], "))
+    assert run("solve", tmp_path / "bed.toml", "-o", tmp_path / "out", "--pictures", "none").exit_code == 0
+    (tmp_path / "again.toml").write_text(text.format(plate='shape = "mesh", file = "out/all.vtu"', mesh=""))
+    (tmp_path / "alias.toml").symlink_to(tmp_path / "bed.toml")
+    (tmp_path / "bed.html").symlink_to(tmp_path / "bed.csv")
+    (tmp_path / "bed.xlsx").hardlink_to(tmp_path / "bed.toml")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "found"),
+    [
+        (["report", "bed.toml", "-o", "bed.toml"], "bed.toml"),
+        (["report", "bed.toml", "-o", "out/../bed.toml", "--no-error"], "bed.toml"),
+        (["report", "bed.toml", "-o", "alias.toml"], "alias.toml"),
+        (["report", "bed.toml", "-o", "bed.csv"], "bed.csv"),
+        (["report", "bed.toml", "-o", "logo.svg"], "logo.svg"),
+        (["report", "bed.toml"], "bed.html"),
+        (["report", "bed.toml", "-o", "bed.htm", "--xlsx"], "bed.xlsx"),
+        (["check", "bed.toml", "-o", "logo.svg"], "logo.svg"),
+        (["solve", "again.toml", "-o", "out"], "all.vtu"),
+    ],
+)
+def test_no_command_replaces_a_file_that_it_reads(
+    reading: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], found: str
+) -> None:
+    monkeypatch.chdir(reading)
+    monkeypatch.setattr("signorini.analysis.solve.solve_all", None)
+    monkeypatch.setattr("signorini.analysis.check.check", None)
+    before = {file: file.read_bytes() for file in reading.rglob("*") if file.is_file()}
+    done = run(*arguments)
+    assert done.exit_code == 2, done.output
+    assert f"this run reads {found}. Name another " in done.stderr
+    assert {file: file.read_bytes() for file in reading.rglob("*") if file.is_file()} == before
+
+
+def test_no_function_replaces_a_file_that_its_model_was_read_from(reading: Path) -> None:
+    before = {file: file.read_bytes() for file in reading.rglob("*") if file.is_file()}
+    results = signorini.solve(signorini.load(reading / "again.toml"))
+    for write in (
+        lambda: signorini.report(results, reading / "again.toml"),
+        lambda: signorini.write(results, reading / "out"),
+        lambda: results["all"].to_vtk(reading / "out" / "all.vtu"),
+    ):
+        with pytest.raises((signorini.InputError, OSError), match="this run reads"):
+            write()
+    assert {file: file.read_bytes() for file in reading.rglob("*") if file.is_file()} == before
+
+
 def test_a_path_shows_where_the_plate_lifts_more_than_it_sinks(slab: Path) -> None:
     slab.write_text(SLAB + '[[load]]\ncase = "pull"\nforce = -12\nat = [0.1, 0.1]\n')
     done = run("path", slab, "--add", "pull", "--from", "G", "--until", "1")

@@ -164,6 +164,54 @@ def test_numbers_without_a_derivative_are_refused_with_the_reason() -> None:
         result_of(**redundant).sensitivity("deflection.max")
 
 
+@pytest.mark.parametrize(
+    "held",
+    [
+        {"resists": "both", "gap": 0, "stiffness": 1e7},
+        {"resists": "both", "gap": [0, 0, 0, 0], "stiffness": 1e7},
+        {"gap": 0},
+        {"resists": "both", "gap": 0, "law": [[-1, -1e7], [0, 0], [1, 2e7]]},
+        {"fix": "simple", "gap": 0},
+        {"resists": "up", "gap": 0, "stiffness": 1e7, "preload": 1e4},
+    ],
+)
+def test_a_gap_that_must_stay_0_is_no_parameter(held: dict[str, Any]) -> None:
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 2e7}
+    corners = {"name": "c", "at": [[0, 0], [6, 0], [6, 4], [0, 4]], **held}
+    found = result_of(**raft(support=[soil, corners])).sensitivity("c[1].reaction")
+    assert len(found.derivatives) == len(found) > 5
+    assert not [path for path in found if path.startswith("support.c.gap")]
+    with pytest.raises(InputError, match=r"support\.c\.gap.*must stay 0"):
+        found.derivative("support.c.gap[1]" if isinstance(held["gap"], list) else "support.c.gap")
+
+
+def test_a_settlement_that_must_stay_0_is_no_parameter() -> None:
+    slopes = {"name": "s", "edge": "left", "fix": "symmetry", "settlement": 0}
+    found = result_of(**raft(support=[*raft()["support"], slopes])).sensitivity("soil.reaction")
+    assert len(found.derivatives) == len(found) > 5 and "support.s.settlement" not in found
+    with pytest.raises(InputError, match=r"support\.s\.settlement.*must stay 0"):
+        found.derivative("support.s.settlement")
+
+
+@pytest.mark.parametrize(
+    ("path", "resists", "gap"),
+    [("support.c.gap", "down", 0), ("support.c.gap[1]", "both", [0, 0, 0, 1e-4]), ("support.c.gap", "both", 1e-6)],
+)
+def test_derivatives_by_a_gap_are_differences_of_new_solutions(path: str, resists: str, gap: Any) -> None:
+    """At the end of the range, a gap of 0, derivatives are one-sided."""
+
+    def solved(more: float) -> Result:
+        gaps = [gap[0] + more, *gap[1:]] if isinstance(gap, list) else gap + more
+        corners = {"name": "c", "at": [[0, 0], [6, 0], [6, 4], [0, 4]], "stiffness": 1e7}
+        middle = {"name": "m", "at": [3, 2], "stiffness": 2e6}
+        load = [{"at": [2, 1.5], "force": 500e3}]
+        return result_of(**raft(support=[corners | {"resists": resists, "gap": gaps}, middle], load=load))
+
+    here, h = solved(0.0), 1e-5
+    difference = (solved(h).supports["c"].reactions[0] - here.supports["c"].reactions[0]) / h
+    assert here.sensitivity("c[1].reaction")[path] == pytest.approx(difference, rel=1e-6)
+
+
 def test_two_places_that_govern_equally_have_no_derivative() -> None:
     corners = [[0, 0], [6, 0], [6, 4], [0, 4]]
     support = [{"name": name, "at": at, "stiffness": 1e7} for name, at in zip("abcd", corners, strict=True)]

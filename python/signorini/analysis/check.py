@@ -13,6 +13,7 @@ import numpy as np
 
 from signorini.analysis.checks import require_checks
 from signorini.analysis.tightening import loosened
+from signorini.base.files import require_unread
 from signorini.base.linear_program import minimise
 from signorini.base.provenance import PROGRAM
 from signorini.base.regular import open_regular
@@ -147,7 +148,7 @@ class Check:
         # This import loads matplotlib, which is needed for pictures only.
         from signorini.plot.files import save
 
-        require_picture(path)
+        require_picture(path, self.discretisation.model)
         files = pictures_of(self.discretisation.model, path)
         try:
             for file, plate in zip(files, self.discretisation.each, strict=True):
@@ -190,11 +191,17 @@ def pictures_of(model: Model, path: str | os.PathLike[str]) -> list[Path]:
     return [file.with_name(f"{file.stem}-{name}{file.suffix}") for name in model.plates] or [file]
 
 
-def require_picture(path: str | os.PathLike[str]) -> None:
-    """Raise `InputError` if the suffix of a file is not that of a picture format."""
+def require_picture(path: str | os.PathLike[str], model: Model) -> None:
+    """Raise `InputError` if a file's suffix is not that of a picture format, or the model is read from the file."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
+    for file in pictures_of(model, path):
+        try:
+            require_unread(file, model.provenance.read)
+        except OSError as error:
+            why = f"the picture cannot be written: {error.strerror}. Name another file."
+            raise InputError(why, str(file)) from None
 
 
 def require_free(path: str | os.PathLike[str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -41,6 +41,12 @@ def require_replaceable(path: str | os.PathLike[str]) -> None:
         pass
 
 
+def require_unread(path: str | os.PathLike[str], read: Iterable[str]) -> None:
+    """Raise an OSError if ``path`` leads to one of the files ``read`` by a run, which its output would replace."""
+    if os.path.exists(path) and any(os.path.exists(one) and os.path.samefile(path, one) for one in read):
+        raise FileExistsError(errno.EEXIST, f"this run reads {os.path.basename(path)}")
+
+
 @contextmanager
 def _beside(path: str | os.PathLike[str]) -> Iterator[tuple[Path, Path]]:
     """Context with the file to which ``path`` leads, links resolved, and a temporary directory beside this file."""
@@ -54,14 +60,18 @@ def _beside(path: str | os.PathLike[str]) -> Iterator[tuple[Path, Path]]:
 
 @contextmanager
 def replacing_together(
-    directory: str | os.PathLike[str], former: Callable[[Path], Iterable[str]], seal: str
+    directory: str | os.PathLike[str],
+    former: Callable[[Path], Iterable[str]],
+    seal: str,
+    read: Collection[str] = (),
 ) -> Iterator[Path]:
     """Context with an empty directory to write files to, all of which are moved into ``directory`` at the end.
 
     The directory is made if necessary. The new files replace the files of an earlier run, whose names ``former`` reads
-    from the file ``seal``. Files of other programs stay; a new file must not have the name of such a file. After an
-    error the directory is unchanged. Several processes move their files one after another, so that the complete set of
-    the last process remains. The seal is removed first and written last, so that a directory with a seal is complete.
+    from the file ``seal``. Files of other programs, and the files ``read`` by this run, stay; a new file must not have
+    the name of such a file. After an error the directory is unchanged. Several processes move their files one after
+    another, so that the complete set of the last process remains. The seal is removed first and written last, so that a
+    directory with a seal is complete.
     """
     target = Path(directory).absolute()
     made = [place for place in (target, *target.parents) if not place.exists()]
@@ -74,7 +84,7 @@ def replacing_together(
             yield new
             with locked(target):
                 added = sorted((entry.name for entry in new.iterdir()), key=lambda name: (name == seal, name))
-                removed = sorted(require_free(target, added, former), key=lambda name: (name != seal, name))
+                removed = sorted(require_free(target, added, former, read), key=lambda name: (name != seal, name))
                 _move(
                     [(target / name, old / name) for name in removed] + [(new / name, target / name) for name in added]
                 )
@@ -85,13 +95,18 @@ def replacing_together(
         raise
 
 
-def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
+def require_free(
+    target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]], read: Collection[str] = ()
+) -> set[str]:
     """Raise an OSError if the directory ``target`` has a file of another program with one of the ``names``.
+
+    The same holds for a file of an earlier run that is one of the files ``read`` by this run.
 
     Return the names of existing files of an earlier run in this directory; ``former`` reads these names from it.
     """
     ours = {name for name in former(target) if os.path.lexists(target / name)}
     for name in sorted({*names, *ours}):
+        require_unread(target / name, read)
         if (target / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, f"a directory has the name of a file to be written, {name}")
         if name not in ours and os.path.lexists(target / name):

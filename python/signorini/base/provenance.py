@@ -9,7 +9,7 @@ import json
 import subprocess
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -56,18 +56,31 @@ class Provenance:
         SHA-256 of the file's bytes; without a file, of ``text`` in UTF-8.
     text : str
         The whole input as compact JSON.
+    path : str or None
+        Path of the input file.
     """
 
     file: str | None
     sha256: str
     text: str
+    path: str | None = None
 
     @classmethod
-    def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None) -> Self:
-        """Return the provenance of an input with these tables; ``file`` is the name and the SHA-256 of its file."""
+    def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None, path: str | None) -> Self:
+        """Return the provenance of an input with these tables; ``file`` is the name and the SHA-256 of its file.
+
+        ``path`` is the input file from which the tables were read, perhaps before a change of the tables.
+        """
         text = _compact(tables)
         name, sha256 = file or (None, _sha256(text))
-        return cls(name, sha256, text)
+        return cls(name, sha256, text, path)
+
+    @cached_property
+    def read(self) -> list[str]:
+        """Paths of the files that a run with this input reads: the input file, and the files that the input names."""
+        model = json.loads(self.text)
+        named = [one[key] for key in ("file", "logo") for one in tables_with(key, model)]
+        return [self.path, *named] if self.path else named
 
     def json(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """The keys "program", "input" and "options" of ``results.json`` and ``path.json``."""

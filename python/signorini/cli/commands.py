@@ -219,7 +219,7 @@ def check(
 
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
-        require_picture(picture)
+        require_picture(picture, model)
         for planned in pictures_of(model, picture) if output is None else ():
             require_free(planned)
         result = checked(model)
@@ -284,7 +284,7 @@ def path(
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with _left(directory, former_path):
             with (
-                room_for_path(directory) as temporary,
+                room_for_path(directory, model) as temporary,
                 progress_line() as show,
                 interrupts.exit_on_signal(temporary, interrupts.PATH_GRACE),
             ):
@@ -436,10 +436,10 @@ def report(
         from signorini.reports.page import require_report, write_report
 
         target = output if output is not None else file.with_suffix(".html")
-        require_report(target, pdf, xlsx)
         if add is None and (start, until) != (None, None):
             raise InputError("a load path in the report needs --add, the load that grows.", place="add")
         model = _loaded(file, no_error)
+        require_report(target, model, pdf, xlsx)
         with progress_line() as show:
             results, estimates = _solved(model, show, sensitivity=sensitivity or ())
             followed = None if add is None else signorini.path(model, start, add, until, show)
@@ -487,7 +487,7 @@ def study(
         from signorini.studies.writing import write_study
 
         plan, part = load_study(file), None if shard is None else _part(shard)
-        with room_for_study(directory, plan.results):
+        with room_for_study(directory, plan.results, plan.template):
             pass
         try:
             with live_table(plan.results) as show, solvers(workers, scheduler) as solver:

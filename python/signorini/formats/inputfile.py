@@ -49,7 +49,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     arguments.path(path, "an input file", "path")
     content = _content(path)
     text, source = _decoded(content, path), os.path.basename(path)
-    return _model(text, source, Path(path).parent).read_from(source, hashlib.sha256(content).hexdigest())
+    return _model(text, source, Path(path).parent).read_from(os.fspath(path), hashlib.sha256(content).hexdigest())
 
 
 @checked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -253,9 +254,9 @@ class Model(Table):
         return re.sub(r"(\[|, ?)\n +(?=[^ {])", lambda match: match[1].rstrip() + " " * (match[1] != "["), text)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the model; with ``update``, the copy has no input file and recomputes the combinations."""
+        """Copy the model; with ``update``, the copy is not its input file and recomputes the combinations."""
         copy = super().model_copy(update=update, deep=deep)
-        for key in self._cached() if update else ():
+        for key in self._cached().keys() - {"_path"} if update else ():
             del copy.__dict__[key]
         return copy
 
@@ -285,16 +286,17 @@ class Model(Table):
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
 
     def read_from(self, file: str, sha256: str) -> Self:
-        """Copy the model; the copy knows the name and the SHA-256 of its input file."""
+        """Copy the model; the copy knows the path ``file`` and the SHA-256 of its input file."""
         copy = self.model_copy()
-        copy.__dict__["_file"] = (file, sha256)
+        copy.__dict__.update({"_file": (os.path.basename(file), sha256), "_path": file})
         return copy
 
     @cached_property
     def provenance(self) -> Provenance:
         """Name and SHA-256 of the input file, and the input as JSON; for a variant, those of its original model."""
         original = self.original
-        return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
+        file, path = (original.__dict__.get(key) for key in ("_file", "_path"))
+        return Provenance.of(original.model_dump(exclude_unset=True), file, path)
 
     @field_serializer("support")
     def _without_contacts(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -107,24 +107,24 @@ def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
     """Context that yields a hidden directory on the file system to which results will be written.
 
     Two cases are refused before the results are computed: a directory that cannot be made or written to, and one in
-    which another program's files have the names of the results.
+    which files of another program, or files that the model is read from, have the names of the results.
     """
-    with _room(Path(directory), former_results, expected_names(model)) as room:
+    with _room(Path(directory), former_results, expected_names(model), model.provenance.read) as room:
         yield room
 
 
 @contextmanager
-def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
+def room_for_path(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
     """Context like `room_for`, for the files of a load path."""
-    with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
+    with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE), model.provenance.read) as room:
         yield room
 
 
 @contextmanager
-def room_for_study(directory: str | os.PathLike[str], results: Sequence[str]) -> Iterator[Path]:
+def room_for_study(directory: str | os.PathLike[str], results: Sequence[str], template: Model) -> Iterator[Path]:
     """Context like `room_for`, for the summary and the pictures of a study of the given results."""
     names = (STUDY, *(f"{slug}.png" for slug in unique_slugs(results)))
-    with _room(Path(directory), former_study, names) as room:
+    with _room(Path(directory), former_study, names, template.provenance.read) as room:
         yield room
 
 
@@ -136,7 +136,9 @@ def room_for_pages(directory: str | os.PathLike[str], names: Iterable[str]) -> I
 
 
 @contextmanager
-def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[str]) -> Iterator[Path]:
+def _room(
+    directory: Path, former: Callable[[Path], list[str]], names: Iterable[str], read: Collection[str] = ()
+) -> Iterator[Path]:
     target = directory.absolute()
     with ExitStack() as context:
         try:
@@ -144,7 +146,7 @@ def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[
             room = context.enter_context(temporary_directory(nearest, target.name))
             if nearest == target:
                 with locked(target):
-                    require_free(target, names, former)
+                    require_free(target, names, former, read)
         except OSError as error:
             raise cannot_write(directory, error) from None
         yield room

@@ -144,7 +144,7 @@ def write_path(
     target = FilePath(directory)
     figure = path.plot()
     try:
-        with replacing_together(target, former_path, seal=PATH_JSON) as beside:
+        with replacing_together(target, former_path, PATH_JSON, path.model.provenance.read) as beside:
             save(figure, beside / PATH_PICTURE, path.model.provenance.metadata)
             (beside / PATH_CSV).write_text(path_csv(path, estimate), "utf-8")
             text = json.dumps(path_json(path, estimate), indent=1, ensure_ascii=False, allow_nan=False)

@@ -162,7 +162,7 @@ def write_results(
     values = results_json(results, estimates, pictures, xlsx, 0 if fields is None else fields.count)
     names = [JSON, CSV]
     try:
-        with replacing_together(target, former_results, seal=JSON) as beside:
+        with replacing_together(target, former_results, JSON, results.model.provenance.read) as beside:
             for result, slug in named:
                 if fields is None:
                     result.to_vtk(beside / f"{slug}.vtu")

@@ -25,11 +25,12 @@ from signorini.analysis.estimate import Estimates, estimate_asked, estimates_of
 from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import checked, watching
-from signorini.base.files import replacing, require_replaceable
+from signorini.base.files import replacing, require_replaceable, require_unread
 from signorini.base.packages import package
 from signorini.base.regular import read_regular
 from signorini.errors import InputError, SignoriniError
 from signorini.formats.xlsx import write_xlsx
+from signorini.model import Model
 from signorini.output.spreadsheet import sheets_of
 from signorini.output.tables import results_json
 from signorini.reports import design, numbers, sections
@@ -93,7 +94,7 @@ def report(
     results : Results or Result
         Return value of `signorini.solve`, or the result of one combination.
     path : path-like
-        The HTML file; a file there is replaced.
+        The HTML file; a file there is replaced, unless the model is read from it.
     estimate : Estimates, optional
         Half-widths from `signorini.estimate`.
     load_path : LoadPath, optional
@@ -150,7 +151,7 @@ def write_report(
     xlsx: bool = False,
 ) -> list[Path]:
     """Write a report as `report` does; ``source`` is the text of the input file."""
-    written = require_report(path, pdf, xlsx)
+    written = require_report(path, results.model, pdf, xlsx)
     target, *_ = written
     text = page(results, estimates, source, load_path, along_estimate)
     with _writing(target), replacing(target) as temporary:
@@ -164,10 +165,11 @@ def write_report(
     return written
 
 
-def require_report(path: str | os.PathLike[str], pdf: bool = False, xlsx: bool = False) -> list[Path]:
+def require_report(path: str | os.PathLike[str], model: Model, pdf: bool = False, xlsx: bool = False) -> list[Path]:
     """Return the files of a report; refuse files that cannot be written, and a PDF or spreadsheet without its program.
 
-    Called before the results are computed, it refuses early a report that could not be written.
+    A file that the model is read from is refused, too. Called before the results are computed, it refuses early a
+    report that could not be written.
     """
     target = Path(path)
     if pdf:
@@ -177,6 +179,7 @@ def require_report(path: str | os.PathLike[str], pdf: bool = False, xlsx: bool =
     files = [target, *(target.with_suffix(suffix) for suffix, asked in ((".pdf", pdf), (".xlsx", xlsx)) if asked)]
     for file in files:
         with _writing(file):
+            require_unread(file, model.provenance.read)
             require_replaceable(file)
     return files
 
@@ -187,7 +190,7 @@ def _writing(file: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"{file} cannot be written: {error.strerror or error}.", place="output") from None
+        raise InputError(f"{file} cannot be written: {error.strerror or error}. Name another file.", "output") from None
 
 
 def page(

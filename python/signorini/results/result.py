@@ -12,6 +12,7 @@ import numpy as np
 
 from signorini.base import arguments
 from signorini.base.arguments import checked
+from signorini.base.files import require_unread
 from signorini.base.packages import package
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point
@@ -169,10 +170,11 @@ class Result(ResultState):
         InputError
             If there is no equilibrium, and so no field.
         OSError
-            If the file cannot be written.
+            If the file cannot be written, or the model is read from it.
         """
         self.require_fields()
         mesh = as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
+        require_unread(path, self.model.provenance.read)
         write_vtu(path, mesh, self.model.provenance.metadata)
 
     def to_pyvista(self) -> Any:

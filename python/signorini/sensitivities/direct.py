@@ -328,8 +328,8 @@ def _require_alike(one: Parameter, base: Discretisation, other: Discretisation) 
 
     same = np.array_equal(base.mesh.points, other.mesh.points) and np.array_equal(base.held.dofs, other.held.dofs)
     if not (same and alike(base.contacts, other.contacts) and alike(base.springs, other.springs)):
-        why = 'another value moves the mesh or changes the kind of a support (a gap above 0 with resists = "both")'
-        raise InputError(f"{why}.", one.path)
+        why = "another value moves the mesh or changes the kind of a support."
+        raise InputError(why, one.path)
 
 
 @kept

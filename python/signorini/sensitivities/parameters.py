@@ -69,6 +69,8 @@ class Parameter:
         place = place_of(path, model, tables)
         keys = [key for key in place if isinstance(key, str)]
         key = next((one for one in reversed(keys) if one in _POSITIVE | _SIGNED), "")
+        if why := _stays_zero(place, model):
+            raise InputError(why, path)
         if not key or place[0] not in (*_TABLES, "combination"):
             listed = ", ".join(sorted(_POSITIVE | _SIGNED))
             why = "only numbers that do not move the mesh have derivatives"
@@ -104,6 +106,21 @@ class Parameter:
         if self.place[0] != "combination":
             return other, combination
         return other, next(one for one in other.effective_combinations if one.name == combination.name)
+
+
+def _stays_zero(place: Place, model: Model) -> str:
+    """Reason why the number at a key path ``place``, a gap or settlement of 0, has no other value; empty if it has."""
+    if place[0] not in ("support", "contact"):
+        return ""
+    support = getattr(model, place[0])[place[1]]
+    if place[2] == "gap" and not support.has_gap and (support.direction == "both" or support.is_bolt):
+        return (
+            'the gap must stay 0: with fix or preload a gap is not allowed, and with resists = "both" it makes another '
+            'kind of support. With resists = "both", give a small gap above 0 for derivatives there.'
+        )
+    if place[2] == "settlement" and (support.between is not None or not support.holds_w):
+        return "the settlement must stay 0: the support acts between plates, or does not hold the deflection."
+    return ""
 
 
 def _at(tables: Any, place: Place) -> Any:
@@ -150,7 +167,8 @@ class Input:
         for key in _TABLES:
             entries = self.tables.get(key)
             listed += _leaves(key, entries if entries is not None else {}, acting)
-        return listed + [f"case.{_quoted(case)}.factor" for case in sorted(acting)]
+        varied = [path for path in listed if not _stays_zero(place_of(path, self.model, self.tables), self.model)]
+        return varied + [f"case.{_quoted(case)}.factor" for case in sorted(acting)]
 
 
 def _leaves(path: str, node: Any, acting: set[str]) -> Iterator[str]:

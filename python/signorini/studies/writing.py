@@ -28,7 +28,7 @@ def write_study(study: Study, directory: Path, plan: Plan) -> list[Path]:
     written = [directory / TABLE] if len(study.rows) == study.count else []
     metadata, units = plan.template.provenance.metadata, plan.units
     summary = {**plan.template.provenance.json({}), "study_sha256": plan.sha256, "results": _summary(study)}
-    with replacing_together(directory, former_study, seal=STUDY) as beside:
+    with replacing_together(directory, former_study, STUDY, plan.template.provenance.read) as beside:
         (beside / STUDY).write_text(json.dumps(summary, indent=1, ensure_ascii=False), "utf-8")
         written.append(directory / STUDY)
         for name, slug in zip(study.results, unique_slugs(study.results), strict=True):
