@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import KDTree
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.remade import Brief, Remade
@@ -319,6 +318,9 @@ class Mesh(Remade):
         off = np.flatnonzero(~where.inside)
         if not len(off):
             return where
+        # This import takes as long as a small solve, and most models need it at no point.
+        from scipy.spatial import KDTree
+
         sides = self.points[self.boundary]
         far = float(np.max(KDTree(sides[:, 1]).query(points[off])[0]))
         there = self.locate(Sides(sides, far).nearest(points[off])[0])
