@@ -296,6 +296,16 @@ def test_locating_a_mapped_point_gives_it_back(name, data):
     assert found.xi[within] == pytest.approx(xi[within], abs=1e-9)
 
 
+@given(angle=st.floats(1.0, 90.0), width=st.floats(1e-3, 0.999), seed=st.integers(0, 1000))
+@settings(max_examples=50, deadline=None)
+def test_positions_in_a_long_curved_element_have_their_reference_points(angle, width, seed):
+    """In a ring's sector of up to 90°, up to a thousand times as long as wide."""
+    mesh = annulus((0.3, -0.2), 1.0 - width, 1.0, (1, 1), sector=angle)
+    xi = np.random.default_rng(seed).uniform(-1.0, 1.0, (40, 2))
+    elements = np.zeros(40, np.int64)
+    assert mesh.invert(elements, mesh.map(elements, xi)) == pytest.approx(xi, abs=1e-9)
+
+
 def test_a_point_is_outside_past_a_straight_edge_but_inside_on_the_true_circle():
     square = MESHES["rectangle"]
     assert square.locate(np.array([[1.0 - 1e-12, -1.0], [1.0 - 1e-6, -1.0]])).inside.tolist() == [True, False]

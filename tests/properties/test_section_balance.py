@@ -152,6 +152,43 @@ def test_a_line_may_end_in_a_node_of_a_round_edge(angle):
         assert section.moment == pytest.approx(moment, abs=1e-6)
 
 
+@pytest.mark.parametrize("divisions", [[32, 8], [8, 8], [6, 16]])
+@pytest.mark.parametrize("seed", range(3))
+def test_lines_across_thin_curved_elements_are_in_balance(divisions, seed):
+    """Parts that end inside the plate add up to the whole; some lines only just cross or touch a ring of sides."""
+    random = np.random.default_rng(seed)
+    radii = np.linspace(0.6, 3.0, divisions[0] + 1)[1:-1]
+    just = random.choice(radii, 4) * (1 - random.choice([0.0, 1e-9, 1e-6, 1e-3], 4))
+    lines = []
+    for off in (*just, *random.uniform(0.7, 2.6, 2)):
+        angle = random.choice([random.uniform(0, math.tau), random.integers(16) * math.pi / 8])
+        normal = np.array([math.cos(angle), math.sin(angle)])
+        half, part = math.sqrt(9 - off**2) * np.array([normal[1], -normal[0]]), random.uniform(-0.9, 0.9)
+        a, b, inside = (off * normal + t * half for t in (-1.0, 1.0, part))
+        lines += [[a, b], [a, inside], [inside, b]]
+    spots = [(0.8 * math.cos(t), 0.8 * math.sin(t)) for t in (0.3, 2.2, 4.1, 5.5)]
+    loads = [(1e4, (-2.2, 0.1)), (2e4, (1.9, 1.2)), (3e4, (0.3, -2.3))]
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "annulus", "inner": 0.6, "outer": 3, "thickness": 0.2},
+        mesh={"divisions": divisions, "error": False},
+        support=[{"at": spots}],
+        load=[{"force": force, "at": at} for force, at in loads],
+        section=[{"line": [begin.tolist(), end.tolist()]} for begin, end in lines],
+    )
+    result = solved(model)
+    (support,) = result.supports
+    forces = [*loads, *((-r, at) for at, r in zip(support.positions, support.reactions, strict=True))]
+    for (a, b), *found in zip(lines[::3], *(result.sections[k::3] for k in range(3)), strict=True):
+        whole, *parts = found
+        moment, shear = by_statics([], forces, [], a, b)
+        assert (whole.moment, whole.shear) == pytest.approx((moment, shear), abs=1e-11 * 1e5)
+        assert sum(part.moment for part in parts) == pytest.approx(moment, abs=1e-11 * 1e5)
+        assert sum(part.shear for part in parts) == pytest.approx(shear, abs=1e-11 * 1e5)
+        assert whole.length == pytest.approx(math.dist(a, b), rel=5e-3)
+        assert sum(part.length for part in parts) == pytest.approx(whole.length, rel=1e-6)
+
+
 def turned(points, angle, about=(4.0, 3.0)):
     c, s = math.cos(angle), math.sin(angle)
     return [tuple(p) for p in (np.array(points) - about) @ np.array([[c, s], [-s, c]]) + about]

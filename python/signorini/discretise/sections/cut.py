@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +26,8 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.quadrature import Quadrature, area_quadrature
+from signorini.discretise.quadrature.crossings import touched
+from signorini.discretise.quadrature.lines import Segment
 from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -44,6 +45,8 @@ _BEYOND = 2.0
 The virtual displacement v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
 """Number of Gauss points in each direction on parts of divided elements."""
+_ON_SIDE = 1e-9
+"""Largest distance past an element's side, in reference coordinates, that counts as rounding."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
 """Indices of an element's nodes in order along its boundary."""
 _POINTS = {"mitc9": 9, "q8r": 4}
@@ -235,14 +238,12 @@ class _Followed:
 def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
     """Elements (k,) that the continued line meets, at least in a node; mask of divided elements; pieces of the line.
 
-    Curved sides count as straight between nodes.
+    An element is divided if it has nodes on both sides of the line, or if the line crosses a bulge of a curved side.
     """
     line, beyond = followed.line, followed.beyond
-    x0, y0, x1, y1 = line.extended(followed.reach).bounds
-    low, high = mesh.boxes[:, :2] - line.touching, mesh.boxes[:, 2:] + line.touching
-    (near,) = np.nonzero((low <= [x1, y1]).all(axis=1) & (high >= [x0, y0]).all(axis=1))
+    near = np.unique(touched(mesh.boxes, line.extended(followed.reach).outline, line.touching)[0])
     met, divided = np.zeros(len(near), np.bool_), np.zeros(len(near), np.bool_)
-    nodes = mesh.points[mesh.elements[near][:, _AROUND]]
+    nodes, sides = mesh.points[mesh.elements[near][:, _AROUND]], mesh.points[mesh.sides[near].reshape(-1, 3)]
     pieces = []
     for piece, (begin, along, normal) in enumerate(zip(line.begin, line.along, line.normals, strict=True)):
         station, off = ((nodes - begin) @ axis for axis in (along, normal))
@@ -256,26 +257,42 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
         crossed = np.hstack([off * next_off < 0.0, off == 0.0])
         first = np.maximum(np.where(crossed, stations, np.inf).min(axis=1), low)
         final = np.minimum(np.where(crossed, stations, -np.inf).max(axis=1), high)
-        met |= final >= first - line.touching
         longer = final > first + line.touching
-        divided |= longer & (off > 0.0).any(axis=1) & (off < 0.0).any(axis=1)
-        stops = np.unique([low, 0.0, line.lengths[piece], high])
-        for begin_at, end_at in pairwise(stops):
-            first_in, final_in = np.maximum(first, begin_at), np.minimum(final, end_at)
-            (longer_in,) = np.nonzero(final_in > first_in + line.touching)
-            pieces.append(
-                _Pieces(near[longer_in], np.full(len(longer_in), piece), first_in[longer_in], final_in[longer_in])
-            )
+        crossings = low + Segment(begin + low * along, begin + high * along).crossings(sides)
+        stops = np.unique(np.clip(np.concatenate([[low, 0.0, line.lengths[piece], high], crossings]), low, high))
+        (long,) = np.nonzero(np.diff(stops) > line.touching)
+        middle = begin + 0.5 * (stops[long] + stops[long + 1])[:, None] * along
+        beside = np.concatenate([middle + side * line.touching * normal for side in (LEFT, RIGHT)])
+        left, right = _within(mesh, beside).reshape(2, -1)
+        of_pieces = np.concatenate([left, right[right != left]])
+        at = np.concatenate([long, long[right != left]])[of_pieces >= 0]
+        of_pieces = of_pieces[of_pieces >= 0]
+        share = 1.0 / np.bincount(at, minlength=len(stops))[at]
+        pieces.append(_Pieces(of_pieces, np.full(len(at), piece), stops[at], stops[at + 1], share))
+        met |= (final >= first - line.touching) | np.isin(near, of_pieces)
+        divided |= longer & (off > 0.0).any(axis=1) & (off < 0.0).any(axis=1) | np.isin(near, left[left == right])
     return near[met], divided[met], _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
 
 
+def _within(mesh: Mesh, positions: Floats) -> Ints:
+    """Elements (q,) that contain positions (q, 2), −1 off the plate and between a curved edge and its circle."""
+    where = mesh.locate(positions)
+    inside = where.inside
+    inside[inside] = (mesh.past(where.elements[inside], where.xi[inside]) <= _ON_SIDE).all(axis=1)
+    return np.where(inside, where.elements, -1)
+
+
 class _Pieces(NamedTuple):
-    """Parts of a line, each in or along an element (q,): piece of the line (q,), first and last station (q,)."""
+    """Parts of a line, each in or along an element (q,): piece of the line (q,), first and last station (q,).
+
+    ``share`` (q,) is the weight of each part: 1, or ½ if it runs between two elements and is listed for both.
+    """
 
     elements: Ints
     piece: Ints
     begin: Floats
     end: Floats
+    share: Floats
 
 
 def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bools:
@@ -364,7 +381,7 @@ def _rest(
     node, weight = gauss(_ORDER)
     half = 0.5 * (pieces.end - pieces.begin)[met, None]
     station = (0.5 * (pieces.begin + pieces.end)[met, None] + half * node).ravel()
-    weights = (half * weight * _once(pieces)[met, None]).ravel()
+    weights = (half * weight * pieces.share[met, None]).ravel()
     place, piece = (np.repeat(values, _ORDER) for values in (place, pieces.piece[met]))
     along, normal, element = line.line.along[piece], line.line.normals[piece], elements[place]
     positions = line.line.begin[piece] + station[:, None] * along
@@ -382,21 +399,10 @@ def _rest(
     return stress
 
 
-def _once(pieces: _Pieces) -> Floats:
-    """Weight (q,) of each part of a line: 1, or ½ if it runs between two elements and is listed for both."""
-    middle = 0.5 * (pieces.begin + pieces.end)
-    order = np.lexsort((middle, pieces.piece))
-    again = (np.diff(pieces.piece[order]) == 0) & (pieces.begin[order][1:] < middle[order][:-1])
-    parts = np.ones(len(middle))
-    for shared in (order[:-1][again], order[1:][again]):
-        parts[shared] = 0.5
-    return parts
-
-
 def _length(line: CutLine, pieces: _Pieces) -> float:
     """Length of the line on the plate, without its continuations."""
     inside = np.minimum(pieces.end, line.lengths[pieces.piece]) - np.maximum(pieces.begin, 0.0)
-    return float(np.maximum(inside, 0.0) @ _once(pieces))
+    return float(np.maximum(inside, 0.0) @ pieces.share)
 
 
 def placed(elements: Ints, wanted: Ints) -> tuple[Ints, Ints]:
