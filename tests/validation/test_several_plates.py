@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 import pytest
 
-from signorini import InputError, Model, NoEquilibriumError, contact_problem, estimate, path, solve, write
+from signorini import InputError, Model, NoEquilibriumError, contact_problem, estimate, load, path, solve, write
 from signorini.contact.strategy import uncertain
 
 STEEL: dict[str, Any] = {"E": 210e9, "nu": 0.0}
@@ -325,6 +325,9 @@ def test_a_plate_from_a_mesh_file_lies_on_another(tmp_path):
     one, other = (solve(model)["all"] for model in (made, read))
     assert other.reactions["pad"] == pytest.approx(one.reactions["pad"], rel=1e-9)
     assert other.plates["upper"].deflection.max() == pytest.approx(one.plates["upper"].deflection.max(), rel=1e-9)
+    beside = tmp_path / "stack.toml"
+    beside.write_text(read.to_toml().replace(str(file), "upper.vtu"), encoding="utf-8")
+    assert load(beside).plates["upper"] == read.plates["upper"], "the name of the mesh file is relative to the input"
     everywhere = tables | {"contact": [{"between": ["upper", "lower"], "area": "all"}]}
     with pytest.raises(InputError, match="is in a mesh file"):
         Model(**everywhere, plates={"upper": {"shape": "mesh", "file": file, "thickness": 0.2}, "lower": lower})

@@ -15,11 +15,12 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from signorini.base import arguments
 from signorini.base.arguments import checked
+from signorini.base.provenance import tables_with
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
 from signorini.formats.toml import Lines, hint, without_strings
-from signorini.model import MeshPlate, Model, validate
+from signorini.model import Model, validate
 from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
@@ -81,21 +82,10 @@ def _model(text: str, source: str, directory: Path) -> Model:
     """Parse and validate a text; file names in it are relative to ``directory``."""
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
-    tables = data.get("combination")
-    supports = data.get("support")
-    supports = supports if isinstance(supports, list) else []
-    fields = [support.get("stiffness") for support in supports if isinstance(support, dict)]
-    for table in (*(tables if isinstance(tables, list) else ()), *fields):
-        if isinstance(table, dict) and isinstance(table.get("file"), str):
-            table["file"] = str(directory / table["file"])
-    report = data.get("report")
-    if isinstance(report, dict) and isinstance(report.get("logo"), str):
-        report["logo"] = str(directory / report["logo"])
-    model = validate(data, source=source, line_of=lambda path: lines().of(path))
-    if isinstance(model.plate, MeshPlate):
-        plate = model.plate.model_copy(update={"file": directory / model.plate.file})
-        model = model.model_copy(update={"plate": plate})
-    return model
+    for key in ("file", "logo"):
+        for table in tables_with(key, data):
+            table[key] = str(directory / table[key])
+    return validate(data, source=source, line_of=lambda path: lines().of(path))
 
 
 def parsed(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
