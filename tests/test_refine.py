@@ -223,7 +223,7 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
     monkeypatch.setattr(refinement, "fits", lambda wanted: False)
     results = solve(asked(0.01))
     assert len(results.refinement) == 1
-    assert "The accuracy of 0.01 that was asked for is not reached: ± of " in results.accuracy_warning
+    assert "The accuracy of 0.01 that was asked for is not reached: with " in results.accuracy_warning
     assert "of the probe at [1, 1] in all is 0." in results.accuracy_warning
     assert "GB of memory" in results.accuracy_warning
     assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]

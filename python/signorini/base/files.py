@@ -43,6 +43,7 @@ def require_replaceable(path: str | os.PathLike[str]) -> None:
 
 def require_unread(path: str | os.PathLike[str], read: Iterable[str]) -> None:
     """Raise an OSError if ``path`` leads to one of the files ``read`` by a run, which its output would replace."""
+    path = arguments.path(path, "a file", "path")
     if os.path.exists(path) and any(os.path.exists(one) and os.path.samefile(path, one) for one in read):
         raise FileExistsError(errno.EEXIST, f"this run reads {os.path.basename(path)}")
 
